@@ -29,7 +29,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     float alpha = max(a.w * a.w, GGX_MIN_ALPHA);
     vec3 normal = vec3(0.48, 0.6, -0.64);
     vec2 widths = anisotropy_widths(a.w, c.y);
-    if (FUNCTION >= 10u) {
+    if (FUNCTION >= 10u && FUNCTION <= 12u) {
         layers.anisotropy = 0.7;
         layers.tangent = vec3(c.x, c.y, 0.3);
     }
@@ -73,13 +73,25 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         }
         return floats(vec4(factor, 0.0), vec4(weight, 0.0));
     }
+    if (FUNCTION == 13u) {
+        layers.diffuse_transmission = c.x;
+        layers.transmission_color = vec3(0.9, 0.5, 0.1);
+    }
     Glossy glossy = glossy_new(scene, material, layers, dot3(a.xyz, normal));
     if (FUNCTION == 3u) {
         float entering = glossy_entering(scene, glossy.coat, c.x) * 0.0625;
         return floats(vec4(glossy.diffuse, glossy.specular_probability),
             vec4(glossy.multiple_probability, entering, glossy_rest(c.y, glossy.specular_probability), 0.0));
     }
-    if (FUNCTION == 4u || FUNCTION == 10u) {
+    if (FUNCTION == 13u) {
+        return floats(vec4(glossy.diffuse, glossy.specular_probability),
+            vec4(glossy.transmitted, glossy.transmission_probability));
+    }
+    if (FUNCTION >= 14u) {
+        layers.coat_normal = vec3(0.36, 0.8, -0.48);
+        glossy = glossy_at(scene, material, layers, dot3(a.xyz, normal), a.xyz, c.x < 0.5);
+    }
+    if (FUNCTION == 4u || FUNCTION == 10u || FUNCTION == 14u) {
         Reflected reflected = glossy_evaluate(scene, glossy, a.xyz, b.xyz, normal);
         return floats(vec4(reflected.value, reflected.pdf), vec4(glossy_limited(b.xyz, vec3(0.6, 0.48, -0.64), normal)));
     }

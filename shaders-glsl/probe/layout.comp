@@ -37,6 +37,8 @@ void main() {
         case 10u: COPY(TextureUses); break;
         case 11u: COPY(MaterialTextureTable); break;
         case 12u: COPY(AnisotropyTable); break;
+        case 13u: COPY(TransmissionTable); break;
+        case 14u: COPY(ClearcoatNormalTable); break;
         default: COPY(LightNodes); break;
     }
 }

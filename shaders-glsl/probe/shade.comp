@@ -47,5 +47,9 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
             vec4(layers.clearcoat, layers.clearcoat_roughness, 0.0, 0.0));
     }
     if (FUNCTION == 7u) return floats(vec4(layers.tangent, layers.anisotropy), vec4(0.0));
+    if (FUNCTION == 8u) {
+        return floats(vec4(layers.transmission_color, layers.diffuse_transmission), vec4(0.0));
+    }
+    if (FUNCTION == 9u) return floats(vec4(layers.coat_normal, 0.0), vec4(0.0));
     return floats(vec4(normal, 0.0), vec4(0.0));
 }

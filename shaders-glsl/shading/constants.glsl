@@ -12,6 +12,7 @@ const uint MATERIAL_GLOSSY = 4u;
 // Material::flags.
 const uint MATERIAL_EMITS_BOTH_SIDES = 1u;
 const uint MATERIAL_ALPHA = 2u;
+const uint MATERIAL_DIFFUSE_TRANSMISSION = 4u;
 
 // Light::kind.
 const uint LIGHT_TRIANGLE = 0u;
@@ -58,8 +59,10 @@ const uint FEATURE_SPECULAR_COLORS = 1048576u;
 const uint FEATURE_CLEARCOAT = 2097152u;
 const uint FEATURE_SUN = 4194304u;
 const uint FEATURE_ANISOTROPY = 8388608u;
+const uint FEATURE_DIFFUSE_TRANSMISSION = 16777216u;
+const uint FEATURE_CLEARCOAT_NORMALS = 33554432u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 16777215u;
+const uint FEATURE_ALL = 67108863u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;

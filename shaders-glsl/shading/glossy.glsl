@@ -22,6 +22,9 @@ struct Glossy {
     vec3 multiple;
     float multiple_probability;
     vec3 diffuse;
+    // Of light from the other side, and its probability among both.
+    vec3 transmitted;
+    float transmission_probability;
     float specular_probability;
     uint coat;
     // Weight and roughness of the clearcoat, what it lets through, and the probability of sampling its reflection.
@@ -29,6 +32,9 @@ struct Glossy {
     float clearcoat_roughness;
     float through;
     float clearcoat_probability;
+    // The clearcoat's shading normal, 0 for that of the surface below; whether the path carries light.
+    vec3 coat_normal;
+    bool carries_light;
     // Whether the reflection is anisotropic; its widths and tangent.
     bool is_anisotropic;
     vec2 widths;
@@ -68,7 +74,9 @@ float glossy_entering(SceneRef scene, uint coat, float cosine) {
     return mean > GLOSSY_MIN_SHARE ? share : 0.0;
 }
 
-Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine) {
+Glossy glossy_with_coat_normal(
+    SceneRef scene, Material material, Layers layers, float cosine, vec3 coat_normal, float coat_cosine
+) {
     float roughness = material.roughness, metallic = material.metallic, weight = material.specular;
     bool is_anisotropic = ANISOTROPY && layers.anisotropy > 0.0;
     vec2 widths = vec2(0.0);
@@ -96,6 +104,20 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
     precise float through = 1.0 - glossy_reflected(directional, coat_f0, weight);
     precise vec3 diffuse = color * (dielectric * max(through, 0.0));
     float most_specular = glossy_greatest(specular), most_diffuse = glossy_greatest(diffuse);
+    vec3 transmitted = vec3(0.0);
+    float transmission_share = 0.0;
+    if (DIFFUSE_TRANSMISSION && layers.diffuse_transmission > 0.0) {
+        precise vec3 beyond =
+            layers.transmission_color * (layers.diffuse_transmission * (dielectric * max(through, 0.0)));
+        precise vec3 left = diffuse * (1.0 - layers.diffuse_transmission);
+        float most_transmitted = glossy_greatest(beyond);
+        precise float both = glossy_greatest(left) + most_transmitted;
+        precise float share = most_transmitted / both;
+        transmitted = beyond;
+        diffuse = left;
+        most_diffuse = both;
+        transmission_share = left == vec3(0.0) ? (most_transmitted > 0.0 ? 1.0 : 0.0) : share;
+    }
     precise float multiple_share = glossy_greatest(multiple_albedo) / most_specular;
     if (!(most_specular > 0.0)) multiple_share = 0.0;
     float through_above = 1.0, clearcoat_share = 0.0;
@@ -103,7 +125,13 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
     if (has_clearcoat) {
         through_above = clearcoat_through(scene, layers.clearcoat, layers.clearcoat_roughness, min(cosine, 1.0));
         diffuse = diffuse * through_above;
-        precise float dimmed = most_diffuse * through_above, reflected = 1.0 - through_above;
+        transmitted = transmitted * through_above;
+        precise float dimmed = most_diffuse * through_above;
+        if (CLEARCOAT_NORMALS && coat_normal != vec3(0.0)) {
+            through_above =
+                clearcoat_through(scene, layers.clearcoat, layers.clearcoat_roughness, min(coat_cosine, 1.0));
+        }
+        precise float reflected = 1.0 - through_above;
         precise float all_specular = reflected + through_above * most_specular;
         precise float share = reflected / all_specular;
         most_diffuse = dimmed;
@@ -123,6 +151,8 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
     glossy.multiple = multiple;
     glossy.multiple_probability = multiple_share;
     glossy.diffuse = diffuse;
+    glossy.transmitted = transmitted;
+    glossy.transmission_probability = transmission_share;
     glossy.specular_probability = specular_share;
     glossy.coat = has_clearcoat ? clearcoat_pack(roughness, coat_f0, weight, layers)
                                 : glossy_coat(roughness, coat_f0, weight);
@@ -133,7 +163,31 @@ Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine
     glossy.is_anisotropic = is_anisotropic;
     glossy.widths = widths;
     glossy.tangent = layers.tangent;
+    glossy.coat_normal = coat_normal;
+    glossy.carries_light = false;
     return glossy;
+}
+
+Glossy glossy_new(SceneRef scene, Material material, Layers layers, float cosine) {
+    return glossy_with_coat_normal(scene, material, layers, cosine, vec3(0.0), cosine);
+}
+
+// The same for a path that arrives from the direction `wo`, with a clearcoat that may have a normal of its own.
+Glossy glossy_at(SceneRef scene, Material material, Layers layers, float cosine, vec3 wo, bool carries_light) {
+    vec3 normal = vec3(0.0);
+    float coat_cosine = cosine;
+    if (CLEARCOAT_NORMALS && layers.coat_normal != vec3(0.0) && layers.clearcoat > 0.0) {
+        normal = shading_bend(layers.coat_normal, wo);
+        coat_cosine = dot3(wo, normal);
+    }
+    Glossy glossy = glossy_with_coat_normal(scene, material, layers, cosine, normal, coat_cosine);
+    glossy.carries_light = carries_light;
+    return glossy;
+}
+
+// The normal of the clearcoat, or that of the surface below.
+vec3 glossy_coat_normal(Glossy glossy, vec3 normal) {
+    return CLEARCOAT_NORMALS && glossy.coat_normal != vec3(0.0) ? glossy.coat_normal : normal;
 }
 
 // A direction in the frame of a normal.
@@ -148,6 +202,26 @@ void glossy_frame(Glossy glossy, vec3 normal, out vec3 tangent, out vec3 bitange
     } else {
         sampling_basis(normal, tangent, bitangent);
     }
+}
+
+// The reflection of a clearcoat with a normal of its own, value and density, and the cosine of `wi` to it. `cosines` are those
+// to the shading normal.
+vec3 glossy_above(Glossy glossy, vec3 wo, vec3 wi, vec2 cosines) {
+    vec3 tangent, bitangent;
+    sampling_basis(glossy.coat_normal, tangent, bitangent);
+    vec3 o = glossy_local(wo, tangent, bitangent, glossy.coat_normal);
+    vec3 i = glossy_local(wi, tangent, bitangent, glossy.coat_normal);
+    if (!(o.z > 0.0 && i.z > 0.0)) return vec3(0.0, 0.0, i.z);
+    precise vec3 both = o + i;
+    vec2 above = clearcoat_evaluate(
+        glossy.clearcoat, glossy.clearcoat_roughness, o, i, normalize_or(both, vec3(0.0, 0.0, 1.0)));
+    precise float counted = min(i.z, SHADING_MAX_RATIO * cosines.y);
+    if (glossy.carries_light) {
+        precise float light = min(o.z, SHADING_MAX_RATIO * cosines.x) * cosines.y / cosines.x;
+        counted = light;
+    }
+    precise float value = above.x * (counted / i.z);
+    return vec3(value, above.y, i.z);
 }
 
 Reflected glossy_evaluate(SceneRef scene, Glossy glossy, vec3 wo, vec3 wi, vec3 normal) {
@@ -182,9 +256,12 @@ Reflected glossy_evaluate(SceneRef scene, Glossy glossy, vec3 wo, vec3 wi, vec3 
         pdf = pdf * (1.0 - p) + cosine * p;
     }
     if (CLEARCOAT && glossy.clearcoat > 0.0) {
-        vec2 above = clearcoat_evaluate(glossy.clearcoat, glossy.clearcoat_roughness, o, i, h);
+        vec3 above = vec3(clearcoat_evaluate(glossy.clearcoat, glossy.clearcoat_roughness, o, i, h), i.z);
+        if (CLEARCOAT_NORMALS && glossy.coat_normal != vec3(0.0)) {
+            above = glossy_above(glossy, wo, wi, vec2(o.z, i.z));
+        }
         float through = min(
-            glossy.through, clearcoat_through(scene, glossy.clearcoat, glossy.clearcoat_roughness, i.z));
+            glossy.through, clearcoat_through(scene, glossy.clearcoat, glossy.clearcoat_roughness, above.z));
         float share = glossy.clearcoat_probability;
         value = value * through + vec3(above.x);
         pdf = pdf * (1.0 - share) + above.y * share;
@@ -211,15 +288,20 @@ Reflected glossy_sample(SceneRef scene, Glossy glossy, vec3 wo, vec3 normal, flo
         wi = cosine_hemisphere(normal, rest, v);
     } else {
         vec3 tangent, bitangent;
-        glossy_frame(glossy, normal, tangent, bitangent);
+        vec3 axis = is_below ? normal : glossy_coat_normal(glossy, normal);
+        if (CLEARCOAT_NORMALS && !is_below && glossy.coat_normal != vec3(0.0)) {
+            sampling_basis(axis, tangent, bitangent);
+        } else {
+            glossy_frame(glossy, normal, tangent, bitangent);
+        }
         precise float rest = (u - p) / (1.0 - p);
         float alpha = is_below ? glossy.alpha : clearcoat_alpha(glossy.clearcoat_roughness);
-        vec3 o = glossy_local(wo, tangent, bitangent, normal);
+        vec3 o = glossy_local(wo, tangent, bitangent, axis);
         float first = is_below ? min(rest, 1.0 - 1.1920929e-7) : u;
         vec3 i;
         if (ANISOTROPY && glossy.is_anisotropic && is_below) i = anisotropy_sample(glossy.widths, o, first, v);
         else i = ggx_sample(alpha, o, first, v);
-        precise vec3 direction = tangent * i.x + bitangent * i.y + normal * i.z;
+        precise vec3 direction = tangent * i.x + bitangent * i.y + axis * i.z;
         wi = direction;
     }
     return glossy_evaluate(scene, glossy, wo, wi, normal);

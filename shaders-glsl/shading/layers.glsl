@@ -10,12 +10,17 @@ struct Layers {
     // Weight and roughness of the clearcoat.
     float clearcoat;
     float clearcoat_roughness;
+    // Its shading normal on the side of the ray; 0 for that of the surface below.
+    vec3 coat_normal;
     // Strength and direction of the anisotropy.
     float anisotropy;
     vec3 tangent;
+    // Share of the base that transmits, and its albedo.
+    float diffuse_transmission;
+    vec3 transmission_color;
 };
 
-Layers layers_none() { return Layers(vec3(1.0), 0.0, 0.0, 0.0, vec3(0.0)); }
+Layers layers_none() { return Layers(vec3(1.0), 0.0, 0.0, vec3(0.0), 0.0, vec3(0.0), 0.0, vec3(1.0)); }
 
 // Reflectance of the coat at normal incidence.
 vec3 layers_coat_f0(Layers layers, Material material) {

@@ -133,6 +133,21 @@ struct Anisotropy {
     uint texture;
 };
 
+struct DiffuseTransmission {
+    vec3 color;
+    float factor;
+    uint color_texture;
+    uint factor_texture;
+    uint reserved[2];
+};
+
+struct ClearcoatNormal {
+    uint is_own;
+    uint texture;
+    float scale;
+    uint reserved;
+};
+
 struct LightNode {
     vec3 center;
     float radius;
@@ -157,5 +172,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TextureUses
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer LightNodes { LightNode at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MaterialTextureTable { MaterialTextures at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer AnisotropyTable { Anisotropy at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ClearcoatNormalTable { ClearcoatNormal at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TransmissionTable { DiffuseTransmission at; };
 
 #endif

@@ -28,7 +28,9 @@ bool material_is_diffuse(Material material) {
 
 // Whether photons are stored on a material; before textures are evaluated.
 bool material_stores_photons(Material material) {
-    return material_is_diffuse(material) && material.albedo != vec3(0.0);
+    uint flag = (FEATURES & FEATURE_DIFFUSE_TRANSMISSION) != 0u ? MATERIAL_DIFFUSE_TRANSMISSION : 0u;
+    bool transmits = (material.flags & flag) != 0u;
+    return material_is_diffuse(material) && (material.albedo != vec3(0.0) || transmits);
 }
 
 // Eight children, with boxes quantized in steps of a power of two from a corner; see intersect.glsl.
@@ -86,6 +88,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     // Number of ratios of refractive indices at rough glass.
     uint rough_ratios;
     AnisotropyTable anisotropies;
+    TransmissionTable diffuse_transmissions;
+    ClearcoatNormalTable clearcoat_normals;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };

@@ -22,8 +22,11 @@ const bool BENT_NORMALS = SHADING_NORMALS || FOLLOWED;
 const bool SPECULAR_COLORS = (FEATURES & FEATURE_SPECULAR_COLORS) != 0u;
 const bool CLEARCOAT = (FEATURES & FEATURE_CLEARCOAT) != 0u;
 const bool ANISOTROPY = (FEATURES & FEATURE_ANISOTROPY) != 0u;
-const bool SHADED =
-    TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS || SPECULAR_COLORS || CLEARCOAT || ANISOTROPY;
+const bool CLEARCOAT_NORMALS = (FEATURES & FEATURE_CLEARCOAT_NORMALS) != 0u;
+const bool DIFFUSE_TRANSMISSION = (FEATURES & FEATURE_DIFFUSE_TRANSMISSION) != 0u;
+// Whether materials have a record of layers, with or without textures.
+const bool LAYERED = SPECULAR_COLORS || CLEARCOAT || ANISOTROPY || DIFFUSE_TRANSMISSION;
+const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS || LAYERED;
 const bool TEXTURED_LIGHTS = (FEATURES & FEATURE_TEXTURED_LIGHTS) != 0u;
 
 vec3 shade_interpolate(vec3 a, vec3 b, vec3 c, vec3 weights) {
@@ -96,6 +99,30 @@ void shade_anisotropy(SceneRef scene, uint index, uint slot, vec3 weights, vec3 
     layers.tangent = shade_turned_tangent(tangent, (packed.a & 1u) == 1u ? -1.0 : 1.0, normal, turned.yz);
 }
 
+// `normal` is the vertex normal on the front.
+void shade_coat_normal(
+    SceneRef scene, Surface at, uint index, uint slot, vec3 weights, vec3 normal, inout Layers layers
+) {
+    ClearcoatNormal found = scene.shading.clearcoat_normals[index].at;
+    if (found.is_own == 0u) return;
+    if (found.texture != NO_TEXTURE) {
+        vec3 texel = texel_at(scene, found.texture, slot, weights).xyz;
+        normal = shade_mapped_normal(scene, slot, weights, normal, texel, found.scale);
+    }
+    normal = shading_bend(normal, at.front ? at.normal : -at.normal);
+    layers.coat_normal = at.front ? normal : -normal;
+}
+
+void shade_transmission(SceneRef scene, uint index, uint slot, vec3 weights, inout Layers layers) {
+    DiffuseTransmission found = scene.shading.diffuse_transmissions[index].at;
+    layers.diffuse_transmission = found.factor;
+    if (found.factor_texture != NO_TEXTURE) {
+        layers.diffuse_transmission = alpha_multiply(found.factor, texel_at(scene, found.factor_texture, slot, weights).w);
+    }
+    layers.transmission_color =
+        shade_multiply(found.color, shade_sample(scene, found.color_texture, slot, weights));
+}
+
 // Evaluates the surface `at` of a hit: replaces the colours of `material` and `layers`, and returns the shading normal.
 vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout Layers layers) {
     vec3 weights = texel_weights(hit.u, hit.v);
@@ -116,7 +143,7 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
             normal = normalize_or(normal, front);
         }
     }
-    if ((TEXTURES || NORMAL_MAPS || SPECULAR_COLORS || CLEARCOAT || ANISOTROPY) && material.textures != 0u) {
+    if ((TEXTURES || NORMAL_MAPS || LAYERED) && material.textures != 0u) {
         MaterialTextures textures = scene.shading.material_textures[material.textures - 1u].at;
         if (TEXTURES) {
             material.albedo =
@@ -144,8 +171,14 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
             layers.clearcoat = alpha_multiply(textures.clearcoat_factor, weight);
             layers.clearcoat_roughness = alpha_multiply(textures.clearcoat_roughness_factor, roughness);
         }
+        if (CLEARCOAT_NORMALS && textures.clearcoat_factor > 0.0) {
+            shade_coat_normal(scene, at, material.textures - 1u, slot, weights, normal, layers);
+        }
         if (ANISOTROPY && textures.anisotropy != NO_TEXTURE) {
             shade_anisotropy(scene, textures.anisotropy, slot, weights, normal, layers);
+        }
+        if (DIFFUSE_TRANSMISSION && (material.flags & MATERIAL_DIFFUSE_TRANSMISSION) != 0u) {
+            shade_transmission(scene, material.textures - 1u, slot, weights, layers);
         }
         if (NORMAL_MAPS && textures.normal != NO_TEXTURE) {
             vec3 texel = shade_sample(scene, textures.normal, slot, weights);

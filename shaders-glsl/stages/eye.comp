@@ -247,7 +247,7 @@ void main() {
             if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
                 vec3 seen = path.throughput;
                 if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before);
-                Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
+                Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, false);
                 Leaves leaves;
                 if (REFLECTIONS) {
                     leaves = leaves_reflection(material, layers, glossy, normal, seen);

@@ -50,6 +50,10 @@ struct Leaves {
     float scale;
     // Media and coat of the query.
     uvec2 words;
+    // Of the light that the base transmits: the probability of a query on the other side, where the path leaves one for
+    // either side, and its throughput.
+    float transmission_probability;
+    vec3 transmitted;
     // Of the reflection of a clearcoat, left instead with this probability.
     float clearcoat_probability;
     vec3 clearcoat_throughput;
@@ -60,15 +64,15 @@ struct Leaves {
 
 // For the base. `seen` is the factor from radiance that leaves the surface to its contribution at the camera.
 Leaves leaves_base(Glossy glossy, uint media, vec3 seen) {
-    return Leaves(glossy.specular_probability, glossy.diffuse * seen, 0.318309886, uvec2(media, glossy.coat), 0.0,
-        vec3(0.0), uvec2(0u), 0u);
+    return Leaves(glossy.specular_probability, glossy.diffuse * seen, 0.318309886, uvec2(media, glossy.coat),
+        glossy.transmission_probability, glossy.transmitted * seen, 0.0, vec3(0.0), uvec2(0u), 0u);
 }
 
 // For the reflection: the path goes on in search of other glossy surfaces.
 Leaves leaves_reflection(Material material, Layers layers, Glossy glossy, vec3 normal, vec3 seen) {
     vec3 factor;
     uvec2 words = lobe_pack(material, layers, factor);
-    Leaves leaves = Leaves(0.5, seen * factor, 1.0, words, 0.0, vec3(0.0), uvec2(0u), 0u);
+    Leaves leaves = Leaves(0.5, seen * factor, 1.0, words, 0.0, vec3(0.0), 0.0, vec3(0.0), uvec2(0u), 0u);
     // Relative to the normal as the query has it.
     if (ANISOTROPY) leaves.anisotropy = anisotropy_pack(layers, octahedral_unpack(octahedral_pack(normal)));
     float share = glossy.clearcoat_probability;
@@ -97,16 +101,37 @@ bool reflect_path(
         vec3 left = leaves.throughput;
         uvec2 media_coat = leaves.words;
         uint packed = leaves.anisotropy;
+        vec3 facing = normal;
         if (CLEARCOAT && leaves.clearcoat_probability > 0.0) {
             float choice = splits ? unit_f32(random.x) : glossy_rest(unit_f32(random.x), first);
             if (choice < leaves.clearcoat_probability) {
                 left = leaves.clearcoat_throughput;
                 media_coat = leaves.clearcoat_words;
                 packed = 0u;
+                facing = glossy_coat_normal(glossy, normal);
             }
         }
-        vec3 throughput = left * (leaves.scale / (splits ? 1.0 : 1.0 - first));
-        leave_query(path, pixel, at, offset, normal, media_coat, packed, throughput, found);
+        float scale = leaves.scale / (splits ? 1.0 : 1.0 - first);
+        vec3 throughput = left * scale;
+        float second = leaves.transmission_probability;
+        if (DIFFUSE_TRANSMISSION && !REFLECTIONS && second > 0.0) {
+            // Light from both sides, if the path may split once more, or from one of them.
+            uint bit = path.splits + (splits ? 1u : 0u);
+            float choice = unit_f32(random.x);
+            if (!splits) choice = glossy_rest(choice, first);
+            float near = 1.0, far = 1.0;
+            if (second >= 1.0) near = 0.0;
+            else if (bit >= MAX_SPLITS && choice < second) near = 0.0, far = 1.0 / second;
+            else if (bit >= MAX_SPLITS) near = 1.0 / (1.0 - second), far = 0.0;
+            Path beyond = path;
+            if (near > 0.0) beyond.branch |= 1u << bit;
+            Surface under = at;
+            under.normal = -at.normal;
+            vec3 dimmed = leaves.transmitted * (scale * far);
+            leave_query(beyond, pixel, under, vec3(0.0), -normal, media_coat, packed, dimmed, found);
+            throughput *= near;
+        }
+        leave_query(path, pixel, at, offset, facing, media_coat, packed, throughput, found);
     }
     if (!reflects || path.surfaces >= push.max_bounces) return false;
     Surface lit = lit_surface(at, normal, offset);

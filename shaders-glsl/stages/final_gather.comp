@@ -105,7 +105,7 @@ void main() {
         Bsdf bsdf = bsdf_new(material, at.cosine, sides);
         uint lobe = bsdf_choose(bsdf, 0.0);
         if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
-            Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
+            Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -ray.direction, false);
             uvec4 choice = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
             float first = glossy.specular_probability;
             if (unit_f32(choice.x) < first) {
@@ -118,6 +118,17 @@ void main() {
                 continue;
             }
             bsdf.albedo = glossy.diffuse / (1.0 - first);
+            float second = glossy.transmission_probability;
+            if (DIFFUSE_TRANSMISSION && second > 0.0) {
+                if (glossy_rest(unit_f32(choice.x), first) < second) {
+                    // The light of the other side.
+                    bsdf.albedo = glossy.transmitted / ((1.0 - first) * second);
+                    at.normal = -at.normal;
+                    facing = -facing;
+                } else {
+                    bsdf.albedo = bsdf.albedo / (1.0 - second);
+                }
+            }
         }
         if (bsdf_splits(bsdf)) {
             uvec4 choice = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);

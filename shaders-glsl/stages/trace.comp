@@ -255,7 +255,7 @@ uint step_glossy(
         ++path.bounce;
         return FATE_TERMINATED;
     }
-    Glossy glossy = glossy_new(push.scene, material, layers, at.cosine);
+    Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, true);
     if (stores && !(AIMED && path.bounce == 0u)) {
         store(path, at, tinted(path.power, vec3(glossy_entering(push.scene, glossy.coat, at.cosine))), coverage);
     }
@@ -263,6 +263,8 @@ uint step_glossy(
     float first = glossy.specular_probability;
     vec3 incoming = path.ray.direction;
     vec3 onward, weight;
+    float rest = glossy_rest(choice, first);
+    bool through = false;
     if (choice < first) {
         Reflected reflected = glossy_sample(push.scene, glossy, -incoming, normal, u, v, onward);
         bool above = dot3(onward, at.normal) > 0.0 && dot3(incoming, at.normal) < 0.0;
@@ -271,14 +273,28 @@ uint step_glossy(
     } else {
         if (AIMED) return FATE_TERMINATED;
         path.specular_only = false;
-        onward = cosine_hemisphere(at.normal, u, v);
+        float second = glossy.transmission_probability, side = 1.0, share = 1.0 - first;
+        vec3 albedo = glossy.diffuse;
+        if (DIFFUSE_TRANSMISSION && second > 0.0) {
+            float decides = glossy_rest(choice, first);
+            rest = glossy_rest(decides, second);
+            through = decides < second;
+            precise float both = share * (through ? second : 1.0 - second);
+            share = both;
+            if (through) {
+                side = -1.0;
+                albedo = glossy.transmitted;
+            }
+        }
+        onward = cosine_hemisphere(at.normal * side, u, v);
         float ratio = shading_cosine_ratio(-incoming, at.normal, normal);
         precise float factor =
-            glossy_entering(push.scene, glossy.coat, dot3(onward, normal)) * ratio / (1.0 - first);
-        weight = tinted(glossy.diffuse, vec3(factor));
+            glossy_entering(push.scene, glossy.coat, dot3(onward, normal) * side) * ratio / share;
+        weight = tinted(albedo, vec3(factor));
     }
-    if (!russian_roulette(path.power, weight, glossy_rest(choice, first))) return FATE_ABSORBED;
-    path.ray = surface_leave(at, onward);
+    if (!russian_roulette(path.power, weight, rest)) return FATE_ABSORBED;
+    if (DIFFUSE_TRANSMISSION && through) path.ray = surface_pass(at, onward);
+    else path.ray = surface_leave(at, onward);
     return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
 }
 

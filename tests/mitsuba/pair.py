@@ -57,14 +57,14 @@ def scene_of_meshes(args, mi, bsdfs, light, sky, eye, target, fov):
     return mi.load_dict(scene)
 
 
-def render(args, scene, mi):
-    """Pictures of the folder's scene.obj with scene.toml by photonmap, and of `scene` by Mitsuba."""
+def render(args, scene, mi, name="scene.obj"):
+    """Pictures of the folder's file `name` with scene.toml by photonmap, and of `scene` by Mitsuba."""
     path = mi.load_dict({"type": "path", "max_depth": -1, "rr_depth": 32})
     ours, theirs = [], []
     for seed in range(args.runs):
         theirs.append(np.array(mi.render(scene, integrator=path, spp=args.samples, seed=seed), dtype=np.float64))
         picture = args.folder / f"ours-{seed}.exr"
-        command = [args.program, "render", args.folder / "scene.obj", "--overrides", args.folder / "scene.toml"]
+        command = [args.program, "render", args.folder / name, "--overrides", args.folder / "scene.toml"]
         command += ["--size", f"{SIZE}x{SIZE}", "--passes", str(args.passes), "--seed", str(seed), "-o", picture]
         # Mitsuba's shadow rays start at the triangles.
         command += ["--no-terminator-offset"]

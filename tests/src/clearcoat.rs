@@ -9,6 +9,7 @@ use crate::gloss_reference::{Reference, albedo, schlick, single};
 use crate::harness::{TestBackend, direct_settings, renderer};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 use crate::stripes::{self, VIEW};
+use photon_scene::VertexAttributes;
 
 /// A clearcoat in double precision: normal +y.
 struct Clearcoat {
@@ -146,5 +147,55 @@ pub fn sunlit_surfaces<T: TestBackend>() {
     for (column, like) in [(1, 2), (2, 2), (4, 4), (5, 5), (6, 6)] {
         let (values, truth) = (&behind[column], through_a_pane(i.y) * expected[like]);
         assert_agrees(&format!("pane, {column}"), moments(values).0, truth, standard_error(values), 6e-3 * truth);
+    }
+}
+
+/// Clearcoats with normals of their own in a sun: those of a normal map, and the vertex normals where only the surface below
+/// has one. By shadow rays, and behind a pane by photons.
+pub fn own_normals<T: TestBackend>() {
+    let (o, i) = (VIEW.normalize_or_zero(), SUN.normalize_or_zero());
+    let (texel, scale) = ([166, 128, 238, 255], 0.7);
+    let mut builder = SceneBuilder::new();
+    let image = TextureRef::new(builder.texture(TextureDesc::linear8("tilted", 1, 1, &[texel])));
+    let coat = TexturesDesc::default().with_clearcoat_normal(image, scale);
+    let base = TexturesDesc::default().with_normal(image).with_normal_scale(scale);
+    let both = base.with_clearcoat_normal(image, scale);
+    let all = [(0.0, both), (0.0, base), (0.02, coat), (0.0, coat), (0.0, coat), (0.0, coat), (0.0, base), (0.0, coat)];
+    let descs = all.map(|(albedo, textures)| {
+        let desc = MaterialDesc::lambert("coated", [albedo; 3]).with_clearcoat(1.0, 0.4).with_textures(textures);
+        let uvs = vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+        (1, desc, VertexAttributes::default().with_uvs(vec![uvs]))
+    });
+    stripes::add_with(&mut builder, descs, false);
+    // Between the sun and the upper half of x.
+    let glass = builder.material(MaterialDesc::thin("pane", 1.5));
+    let edge = 2.5 * SUN.x;
+    builder.quad("pane", [[edge, 2.5, 3.0], [3.0, 2.5, 3.0], [3.0, 2.5, -3.0], [edge, 2.5, -3.0]], glass);
+    builder.light("sun", LightDesc::Directional { direction: (-SUN).to_array(), irradiance: [2.0; 3] });
+    let scene = builder.build().unwrap();
+
+    // The tangent is +x, the bitangent −z.
+    let [x, y, z] = [texel[0], texel[1], texel[2]].map(|byte| 2.0 * f64::from(byte) / 255.0 - 1.0);
+    let tilted = DVec3::new(x * scale, z, -y * scale).normalize_or_zero();
+    let across = tilted.any_orthonormal_vector();
+    // A surface whose normal is +y.
+    let turned = |w: DVec3| DVec3::new(w.dot(across), w.dot(tilted), w.dot(tilted.cross(across)));
+    let clearcoat = Clearcoat { weight: 1.0, alpha: 0.4 * 0.4 };
+    let even = clearcoat.f(o, i, 0.0, 0.0) * 2.0 * i.y;
+    let bumpy = clearcoat.f(turned(o), turned(i), 0.0, 0.0) * 2.0 * i.dot(tilted);
+    let below = (clearcoat.f(o, i, 0.0, 0.02) - clearcoat.f(o, i, 0.0, 0.0)) * 2.0 * i.y;
+    assert!((bumpy / even - 1.0).abs() > 0.2, "{bumpy} {even}");
+    let expected = [bumpy, even, bumpy + below, bumpy, bumpy, bumpy, even, bumpy];
+    let found = columns::<T>(&scene, &direct_settings(Direct::Nee, 0.1), 48);
+    for (column, (values, expected)) in found.iter().zip(expected).enumerate() {
+        // Estimates from photons are blurred at the edge of the pane's shadow, and lose light at the end of the surface.
+        let (part, bound) = match column {
+            ..3 => (1.0, 6e-3),
+            3 | 4 | 7 => continue,
+            _ => (through_a_pane(i.y), 1.5e-2),
+        };
+        let truth = part * expected;
+        let what = format!("column {column}");
+        assert_agrees(&what, moments(values).0, truth, standard_error(values), bound * truth);
     }
 }

@@ -16,6 +16,7 @@ pub mod clearcoat;
 pub mod debias;
 pub mod determinism;
 pub mod dielectrics;
+pub mod diffuse_transmission;
 pub mod direct;
 pub mod edges;
 pub mod environment;
@@ -138,8 +139,11 @@ macro_rules! whole_suite {
             }
             gloss_behind_glass::{ plastic_behind_panes }
             specular_colors::{ channels_are_grey_coats }
-            clearcoat::{ white_furnace, sunlit_surfaces }
+            clearcoat::{ white_furnace, sunlit_surfaces, own_normals }
             anisotropy::{ brushed_plates }
+            diffuse_transmission::{
+                sunlit_from_behind, white_furnace, g5_closed_room, photons_leave_on_both_sides,
+            }
             gloss_caustics::{
                 sun_through_a_pane, photons_behind_a_pane_are_like_shadow_rays, tilted_normals_behind_a_pane,
                 point_light_in_a_mirror, seen_in_another_metal, rough_panes_are_not_counted_twice,

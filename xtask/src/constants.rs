@@ -31,7 +31,11 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
         ),
         (
             "Material::flags.",
-            vec![("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES), ("MATERIAL_ALPHA", Material::ALPHA)],
+            vec![
+                ("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES),
+                ("MATERIAL_ALPHA", Material::ALPHA),
+                ("MATERIAL_DIFFUSE_TRANSMISSION", Material::DIFFUSE_TRANSMISSION),
+            ],
         ),
         (
             "Light::kind.",
@@ -77,6 +81,8 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_CLEARCOAT", Features::CLEARCOAT.bits()),
                 ("FEATURE_SUN", Features::SUN.bits()),
                 ("FEATURE_ANISOTROPY", Features::ANISOTROPY.bits()),
+                ("FEATURE_DIFFUSE_TRANSMISSION", Features::DIFFUSE_TRANSMISSION.bits()),
+                ("FEATURE_CLEARCOAT_NORMALS", Features::CLEARCOAT_NORMALS.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],

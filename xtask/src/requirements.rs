@@ -18,7 +18,7 @@ const KERNELS: [&str; 6] =
     ["stages/emit", "stages/trace", "stages/eye", "stages/direct", "stages/final_gather", "stages/area"];
 
 /// Features that are left out together.
-const FEATURES: [(&str, Features); 18] = [
+const FEATURES: [(&str, Features); 20] = [
     ("nothing", Features::NONE),
     ("mirrors", Features::MIRROR),
     ("glass, solid and thin", Features::DIELECTRIC.union(Features::THIN).union(Features::ABSORPTION)),
@@ -27,6 +27,8 @@ const FEATURES: [(&str, Features); 18] = [
     ("rough glass", Features::ROUGH_GLASS),
     ("clearcoats", Features::CLEARCOAT),
     ("anisotropy", Features::ANISOTROPY),
+    ("diffuse transmission", Features::DIFFUSE_TRANSMISSION),
+    ("normals of clearcoats", Features::CLEARCOAT_NORMALS),
     ("specular colours", Features::SPECULAR_COLORS),
     ("alpha", Features::ALPHA),
     (

@@ -58,7 +58,8 @@ pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radianc
 pub use scene::medium::Medium;
 pub use scene::solids::{Locator, Solids};
 pub use scene::texture::{
-    Anisotropy, Filter, MaterialTextures, OwnedShadingTables, ShadingTables, TexelFormat, Texture, TextureUse, Wrap,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, OwnedShadingTables, ShadingTables,
+    TexelFormat, Texture, TextureUse, Wrap,
 };
 pub use scene::units::Units;
 pub use scene::{SceneView, light_cdf, light_probability, pick_light};

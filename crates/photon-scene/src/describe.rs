@@ -114,6 +114,12 @@ pub struct MaterialDesc {
     /// those of `MikkTSpace` for the texture coordinates of the normal map, else of [`TexturesDesc::anisotropy`], else of
     /// UV set 0; without these, the tangent is around the y axis.
     pub anisotropy_rotation: f64,
+    /// Share of the base of a [`Surface::Lambert`] or [`Surface::Glossy`] that transmits light diffusely to the other side
+    /// instead of reflecting it, in `[0, 1]`; 0 for none. The surface is a sheet without thickness, which looks alike from
+    /// both sides: a leaf, paper, cloth. Metals and the reflections of coats do not transmit.
+    pub diffuse_transmission: f64,
+    /// Albedo of that transmission, linear RGB, each channel in `[0, 1]`.
+    pub diffuse_transmission_color: [f64; 3],
     /// Textures that multiply the colours above, and a normal map.
     pub textures: TexturesDesc,
 }
@@ -135,6 +141,8 @@ impl MaterialDesc {
             clearcoat_roughness: 0.0,
             anisotropy: 0.0,
             anisotropy_rotation: 0.0,
+            diffuse_transmission: 0.0,
+            diffuse_transmission_color: [1.0; 3],
             textures: TexturesDesc::default(),
         }
     }
@@ -205,6 +213,12 @@ impl MaterialDesc {
     #[must_use]
     pub fn with_anisotropy(self, anisotropy: f64, anisotropy_rotation: f64) -> Self {
         Self { anisotropy, anisotropy_rotation, ..self }
+    }
+
+    /// The material with this [`Self::diffuse_transmission`] and [`Self::diffuse_transmission_color`].
+    #[must_use]
+    pub fn with_diffuse_transmission(self, diffuse_transmission: f64, diffuse_transmission_color: [f64; 3]) -> Self {
+        Self { diffuse_transmission, diffuse_transmission_color, ..self }
     }
 
     /// The material with these [`Self::textures`].

@@ -87,6 +87,8 @@ pub(crate) enum MaterialExtras {
         /// Weight and roughness.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         clearcoat: Option<[Exact; 2]>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        diffuse_transmission: Option<TransmissionExtras>,
     },
     Mirror {
         albedo: Triple,
@@ -139,7 +141,24 @@ pub(crate) enum MaterialExtras {
         /// Strength and rotation.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         anisotropy: Option<[Exact; 2]>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        diffuse_transmission: Option<TransmissionExtras>,
     },
+}
+
+/// Diffuse transmission: share and colour.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TransmissionExtras {
+    factor: Exact,
+    color: Triple,
+}
+
+impl TransmissionExtras {
+    fn new(desc: &MaterialDesc) -> Option<Self> {
+        let color = exact(desc.diffuse_transmission_color);
+        (desc.diffuse_transmission > 0.0).then_some(Self { factor: Exact(desc.diffuse_transmission), color })
+    }
 }
 
 impl MaterialExtras {
@@ -147,10 +166,12 @@ impl MaterialExtras {
         let MaterialDesc { surface, emission, emits_both_sides, priority, textures, .. } = desc;
         let textures = TexturesExtras::new(textures);
         let clearcoat = (desc.clearcoat > 0.0).then_some([Exact(desc.clearcoat), Exact(desc.clearcoat_roughness)]);
+        let diffuse_transmission = TransmissionExtras::new(desc);
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
             Surface::Lambert { albedo } => {
-                Self::Lambert { albedo: exact(albedo), emission, emits_both_sides, textures, clearcoat }
+                let albedo = exact(albedo);
+                Self::Lambert { albedo, emission, emits_both_sides, textures, clearcoat, diffuse_transmission }
             }
             Surface::Mirror { reflectance } => {
                 Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides, textures, clearcoat }
@@ -182,6 +203,7 @@ impl MaterialExtras {
                 clearcoat,
                 anisotropy: (desc.anisotropy > 0.0)
                     .then_some([Exact(desc.anisotropy), Exact(desc.anisotropy_rotation)]),
+                diffuse_transmission,
                 specular_color: (desc.specular_color != [1.0; 3]).then(|| exact(desc.specular_color)),
                 emission,
                 emits_both_sides,
@@ -209,6 +231,11 @@ impl MaterialExtras {
         let [anisotropy, rotation] = match &self {
             Self::Glossy { anisotropy: Some(both), .. } => both.map(|value| value.0),
             _ => [0.0; 2],
+        };
+        let (share, color) = match &self {
+            Self::Lambert { diffuse_transmission: Some(found), .. }
+            | Self::Glossy { diffuse_transmission: Some(found), .. } => (found.factor.0, plain(found.color)),
+            _ => (0.0, [1.0; 3]),
         };
         let specular_color = match &self {
             Self::Glossy { specular_color: Some(color), .. } => plain(*color),
@@ -248,6 +275,7 @@ impl MaterialExtras {
         let emission = plain(emission);
         let base = MaterialDesc::new(name, surface).with_specular_color(specular_color);
         let base = base.with_clearcoat(clearcoat, clearcoat_roughness).with_anisotropy(anisotropy, rotation);
+        let base = base.with_diffuse_transmission(share, color);
         Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..base })
     }
 }

@@ -196,7 +196,8 @@ pub(crate) fn materials(
                 AlphaMode::Mask { cutoff } => (Material::ALPHA, cutoff as f32),
                 AlphaMode::Blend => (Material::ALPHA, 0.0),
             };
-            let (flags, alpha) = (flags | coverage, desc.alpha as f32);
+            let through = if desc.diffuse_transmission > 0.0 { Material::DIFFUSE_TRANSMISSION } else { 0 };
+            let (flags, alpha) = (flags | coverage | through, desc.alpha as f32);
             Material { emission: emission.as_vec3().to_array(), flags, alpha, alpha_cutoff, ..surface }
         })
         .collect();
@@ -220,7 +221,7 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
     match desc.surface {
         // Under a clearcoat, a reflection of their own is only that of the clearcoat, or as narrow as any.
         Surface::Lambert { albedo } | Surface::Glossy { base_color: albedo, metallic: 0.0, specular: 0.0, .. }
-            if desc.clearcoat > 0.0 =>
+            if desc.clearcoat > 0.0 || desc.diffuse_transmission > 0.0 =>
         {
             glossy(albedo, 0.0, 1.0)
         }

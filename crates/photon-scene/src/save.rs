@@ -178,6 +178,7 @@ impl File {
         for extension in [
             "KHR_materials_anisotropy",
             "KHR_materials_clearcoat",
+            "KHR_materials_diffuse_transmission",
             "KHR_materials_emissive_strength",
             "KHR_materials_ior",
             "KHR_materials_specular",

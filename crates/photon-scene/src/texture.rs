@@ -140,9 +140,18 @@ pub struct TexturesDesc {
     pub clearcoat: Option<TextureRef>,
     /// Its green multiplies [`crate::MaterialDesc::clearcoat_roughness`]; linear.
     pub clearcoat_roughness: Option<TextureRef>,
+    /// Tangent-space normals of the clearcoat, as [`Self::normal`] with [`Self::clearcoat_normal_scale`]. Without it the
+    /// clearcoat has the vertex normals, whatever the normal map of the surface below is.
+    pub clearcoat_normal: Option<TextureRef>,
+    /// Factor on the x and y of that normal map; finite.
+    pub clearcoat_normal_scale: f64,
     /// Red and green are the direction of the anisotropy, `2 rg − 1` along tangent and bitangent, which
     /// [`crate::MaterialDesc::anisotropy_rotation`] turns; blue multiplies [`crate::MaterialDesc::anisotropy`]. Linear.
     pub anisotropy: Option<TextureRef>,
+    /// Its alpha multiplies [`crate::MaterialDesc::diffuse_transmission`]; its colours are not read.
+    pub diffuse_transmission: Option<TextureRef>,
+    /// Its colour multiplies [`crate::MaterialDesc::diffuse_transmission_color`].
+    pub diffuse_transmission_color: Option<TextureRef>,
 }
 
 impl Default for TexturesDesc {
@@ -159,7 +168,11 @@ impl Default for TexturesDesc {
             specular_color: None,
             clearcoat: None,
             clearcoat_roughness: None,
+            clearcoat_normal: None,
+            clearcoat_normal_scale: 1.0,
             anisotropy: None,
+            diffuse_transmission: None,
+            diffuse_transmission_color: None,
         }
     }
 }
@@ -225,10 +238,28 @@ impl TexturesDesc {
         Self { clearcoat_roughness: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::clearcoat_normal`], and this [`Self::clearcoat_normal_scale`].
+    #[must_use]
+    pub fn with_clearcoat_normal(self, texture: TextureRef, scale: f64) -> Self {
+        Self { clearcoat_normal: Some(texture), clearcoat_normal_scale: scale, ..self }
+    }
+
     /// The same with this texture as [`Self::anisotropy`].
     #[must_use]
     pub fn with_anisotropy(self, texture: TextureRef) -> Self {
         Self { anisotropy: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::diffuse_transmission`].
+    #[must_use]
+    pub fn with_diffuse_transmission(self, texture: TextureRef) -> Self {
+        Self { diffuse_transmission: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::diffuse_transmission_color`].
+    #[must_use]
+    pub fn with_diffuse_transmission_color(self, texture: TextureRef) -> Self {
+        Self { diffuse_transmission_color: Some(texture), ..self }
     }
 
     /// The textures with the names of their uses.
@@ -243,7 +274,10 @@ impl TexturesDesc {
             ("specular_color", self.specular_color),
             ("clearcoat", self.clearcoat),
             ("clearcoat_roughness", self.clearcoat_roughness),
+            ("clearcoat_normal", self.clearcoat_normal),
             ("anisotropy", self.anisotropy),
+            ("diffuse_transmission", self.diffuse_transmission),
+            ("diffuse_transmission_color", self.diffuse_transmission_color),
         ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))
     }

@@ -52,6 +52,8 @@ fn everything() -> SceneBuilder {
         MaterialDesc::lambert("sealed", [0.9, third, 0.1]).with_clearcoat(1.0, third),
         MaterialDesc::mirror("sealed mirror", [0.9, third, 0.1]).with_clearcoat(third, 0.0),
         MaterialDesc::plastic("plastic", [third, 0.9, 0.1], third),
+        MaterialDesc::plastic("leaf", [third, 0.9, 0.1], third).with_diffuse_transmission(third, [0.1, third, 1.0]),
+        MaterialDesc::lambert("paper", [third, 0.9, 0.1]).with_diffuse_transmission(1.0, [0.0, third, 0.0]),
         MaterialDesc::new(
             "varnish",
             Surface::Glossy {

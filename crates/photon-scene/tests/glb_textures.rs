@@ -73,8 +73,13 @@ fn everything() -> SceneBuilder {
     (worn_paint.clearcoat, worn_paint.clearcoat_roughness) = (third, 0.7);
     worn_paint.textures.clearcoat = Some(TextureRef::new(worn).with_transform(turned));
     worn_paint.textures.clearcoat_roughness = Some(TextureRef::new(worn));
+    worn_paint.textures.clearcoat_normal = Some(TextureRef::new(worn).with_transform(turned));
+    worn_paint.textures.clearcoat_normal_scale = third;
     (worn_paint.anisotropy, worn_paint.anisotropy_rotation) = (third, -third);
     worn_paint.textures.anisotropy = Some(TextureRef::new(worn).with_transform(turned));
+    worn_paint.diffuse_transmission = third;
+    worn_paint.textures.diffuse_transmission = Some(TextureRef::new(holes).with_transform(turned));
+    worn_paint.textures.diffuse_transmission_color = Some(TextureRef::new(tiles));
     let mut even_paint = MaterialDesc::plastic("even paint", [third, 0.9, 0.1], third);
     even_paint.textures.metallic_roughness =
         Some(TextureRef::new(scene.texture(TextureDesc::linear8("even", 1, 1, &[[0, 100, 255, 255]]))));

@@ -265,7 +265,7 @@ impl Eye<'_> {
             coat,
         };
         if SHADED && material.kind() == MaterialKind::Glossy {
-            let glossy = Glossy::new(material, &layers, surface.cosine);
+            let glossy = Glossy::at(material, &layers, surface.cosine, -path.ray.direction, false);
             let at = GlossyPoint { surface: &lit, normal, media: interface.before, glossy: &glossy };
             let leaves = if REFLECTIONS {
                 // Relative to the normal as the query has it.

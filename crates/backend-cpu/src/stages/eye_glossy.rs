@@ -7,7 +7,7 @@ use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHTS, BLOCK_SURFACES, Sampler, unit_f32};
 use photon_core::{
     FilmPixel, Glossy, Layer, Layers, Lobe, Material, MediumStack, Query, Reflected, ReflectionLobe,
-    SurfaceInteraction, anisotropy, glossy, offset,
+    SurfaceInteraction, anisotropy, glossy, octahedral, offset,
 };
 
 use super::eye::{Eye, Path};
@@ -46,6 +46,9 @@ pub(crate) struct Leaves {
     scale: f32,
     /// [`Query::media`] and [`Query::coat`].
     words: [u32; 2],
+    /// Of the light that the base transmits: the probability of a query on the other side, where the path leaves one for
+    /// either side, and its throughput.
+    transmitted: (f32, Vec3),
     /// Of the reflection of a clearcoat, left instead with its probability.
     clearcoat: Option<(f32, Vec3, [u32; 2])>,
     /// From [`anisotropy::pack`], in scenes with anisotropy.
@@ -61,6 +64,7 @@ impl Leaves {
             throughput: glossy.diffuse() * seen,
             scale: std::f32::consts::FRAC_1_PI,
             words: [media.bits(), glossy.coat().bits()],
+            transmitted: (glossy.transmission_probability(), glossy.transmitted() * seen),
             clearcoat: None,
             anisotropy: None,
         }
@@ -83,7 +87,7 @@ impl Leaves {
             clearcoat = Some((share, seen * factor / share, words));
             throughput *= glossy.clearcoat_through() / (1.0 - share).max(f32::EPSILON);
         }
-        Self { first: 0.5, throughput, scale: 1.0, words, clearcoat, anisotropy }
+        Self { first: 0.5, throughput, scale: 1.0, words, transmitted: (0.0, Vec3::ZERO), clearcoat, anisotropy }
     }
 }
 
@@ -177,15 +181,35 @@ impl Eye<'_> {
             let share = if splits { 1.0 } else { 1.0 - first };
             let choice = unit_f32(choice);
             let choice = if splits { choice } else { glossy::rest_of(choice, first) };
-            let (left, words, packed) = match leaves.clearcoat {
+            let (left, words, packed, normal) = match leaves.clearcoat {
                 Some((probability, throughput, words)) if choice < probability => {
-                    (throughput, words, leaves.anisotropy.and(Some(0)))
+                    (throughput, words, leaves.anisotropy.and(Some(0)), glossy.coat_normal(at.normal))
                 }
-                _ => (leaves.throughput, leaves.words, leaves.anisotropy),
+                _ => (leaves.throughput, leaves.words, leaves.anisotropy, at.normal),
             };
-            let throughput = left * (leaves.scale / share);
+            let mut throughput = left * (leaves.scale / share);
+            let (second, through) = leaves.transmitted;
+            if second > 0.0 {
+                // Light from both sides, if the path may split once more, or from one of them.
+                let bit = path.splits + u32::from(splits);
+                let (near, far) = match bit < self.max_splits {
+                    _ if second >= 1.0 => (0.0, 1.0),
+                    true => (1.0, 1.0),
+                    false if choice < second => (0.0, 1.0 / second),
+                    false => (1.0 / (1.0 - second), 0.0),
+                };
+                let beyond = through * (leaves.scale / share * far);
+                throughput *= near;
+                if beyond != Vec3::ZERO {
+                    let branch = path.branch | if near > 0.0 { 1 << bit } else { 0 };
+                    queries.push(on_other_side(query(beyond, branch, words), at.normal));
+                }
+            }
             if throughput != Vec3::ZERO {
                 let mut query = query(throughput, path.branch, words);
+                if normal != at.normal {
+                    query.shading_normal = octahedral::pack(normal);
+                }
                 if let Some(packed) = packed {
                     query.path = anisotropy::path_word(query.path, packed);
                 }
@@ -228,6 +252,13 @@ impl Eye<'_> {
         let light = &self.scene.lights[light];
         light_sample::pdf_of_triangle(self.scene, light, from, path.ray.direction, distance)
     }
+}
+
+/// The same query for light on the other side of a sheet, where shadow rays have no offset; `shading` is the shading normal
+/// on this side.
+fn on_other_side(query: Query, shading: Vec3) -> Query {
+    let shading_normal = octahedral::pack(-shading);
+    Query { normal: query.normal.map(|part| -part), offset_or_wo: 0, shading_normal, ..query }
 }
 
 /// The weight of a sample of density `mine` where another technique has density `other` (Veach 1997, equation 9.8). 1 for

@@ -191,7 +191,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         }
         let bsdf = Bsdf::new(scene.features, material, surface.cosine, &interface);
         let lobe = if SHADED && material.kind() == MaterialKind::Glossy {
-            let glossy = Glossy::new(material, &layers, surface.cosine);
+            let glossy = Glossy::at(material, &layers, surface.cosine, -ray.direction, false);
             let [choice, u, v, _] = sampler.words(block + bounce);
             let first = glossy.specular_probability();
             if unit_f32(choice) < first {
@@ -203,7 +203,17 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 ray = surface.spawn(Lobe::SpecularReflection, direction);
                 continue;
             }
-            albedo = glossy.diffuse() / (1.0 - first);
+            let second = glossy.transmission_probability();
+            if second > 0.0 && glossy::rest_of(unit_f32(choice), first) < second {
+                // The light of the other side.
+                albedo = glossy.transmitted() / ((1.0 - first) * second);
+                (surface.normal, normal) = (-surface.normal, -normal);
+            } else {
+                albedo = glossy.diffuse() / (1.0 - first);
+                if second > 0.0 {
+                    albedo /= 1.0 - second;
+                }
+            }
             Lobe::Diffuse
         } else {
             match bsdf.split() {

@@ -7,13 +7,13 @@ use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Hit, Layers, Light, Lobe, MapKind, Material,
     MaterialKind, MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result,
-    RoughGlass, Scheduling, Settings, SkipLimit, Tally, Tracer, glossy, light_features, octahedral, shading_normal,
+    RoughGlass, Scheduling, Settings, SkipLimit, Tally, Tracer, light_features, octahedral, shading_normal,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
-use crate::stages::photon_scattering::{glossy_scattered, rough_weight, russian_roulette, scattered};
+use crate::stages::photon_scattering::{GlossyLobe, glossy_scattered, rough_weight, russian_roulette, scattered};
 use crate::stages::trace_batch;
 
 /// Paths per block of dynamic scheduling. The result does not depend on it.
@@ -344,24 +344,23 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 store(power, tally);
                 return tally.end(Fate::Terminated, flux);
             }
-            let glossy = Glossy::new(material, &layers, surface.cosine);
+            let glossy = Glossy::at(material, &layers, surface.cosine, -ray.direction, true);
             if stores {
                 store(power * glossy.coat().entering(surface.cosine), tally);
             }
-            let first = glossy.specular_probability();
-            let specular = choice < first;
-            if !specular {
+            let (lobe, rest) = GlossyLobe::choose(&glossy, choice);
+            if lobe != GlossyLobe::Reflection {
                 if aimed {
                     return tally.end(Fate::Terminated, flux);
                 }
                 specular_only = false;
             }
-            let (onward, weight) = glossy_scattered(&glossy, specular, ray.direction, surface.normal, normal, (u, v));
-            let Some(next) = russian_roulette(power, weight, glossy::rest_of(choice, first), true) else {
+            let (onward, weight) = glossy_scattered(&glossy, lobe, ray.direction, surface.normal, normal, (u, v));
+            let Some(next) = russian_roulette(power, weight, rest, true) else {
                 return tally.end(Fate::Absorbed, flux);
             };
             power = next;
-            ray = surface.spawn(Lobe::SpecularReflection, onward);
+            ray = surface.spawn(lobe.side(), onward);
             carry(power, &mut flux, tally);
             continue;
         }

@@ -58,6 +58,14 @@ pub(super) fn rows() -> Vec<Row> {
             evaluated(i, &anisotropic(i), i.vector(0), i.vector(4))
         }),
         row("glossy_sample, anisotropic", 11, Bound::Within(1e-3), world, |i| sampled(i, &anisotropic(i), i.float(8))),
+        row("glossy_new, transmission", 13, Bound::Within(3e-5), world, |i| transmitted(i, i.float(8))),
+        // The same factors as glossy_evaluate, and a ratio of cosines.
+        row("glossy_evaluate, clearcoat's normal", 14, Bound::Relative(2e-4), world, |i| {
+            value(i, &coated(i, i.float(8)), i.vector(0), i.vector(4))
+        }),
+        row("glossy_sample, clearcoat's normal", 15, Bound::Within(1e-3), world, |i| {
+            drawn_from(i, &coated(i, i.float(8)), i.float(8))
+        }),
         row("lobe_weight, anisotropic", 12, Bound::Relative(1e-4), world, |i| {
             lobe(i, &anisotropic(i), i.vector(0), i.vector(4))
         }),
@@ -155,8 +163,25 @@ fn parts(i: &Input, cosine: f32) -> Output {
     output([r, g, b, first, glossy.multiple_probability(), entering, rest])
 }
 
+/// With diffuse transmission of this share.
+fn transmitted(i: &Input, share: f32) -> Output {
+    let glossy = glossy(i, &layers(i).with_diffuse_transmission(share, Vec3::new(0.9, 0.5, 0.1)));
+    let ([r, g, b], [x, y, z]) = (glossy.diffuse().to_array(), glossy.transmitted().to_array());
+    output([r, g, b, glossy.specular_probability(), x, y, z, glossy.transmission_probability()])
+}
+
+/// With a clearcoat that has another normal; for photons if `choice` is below ½.
+fn coated(i: &Input, choice: f32) -> Glossy {
+    let layers = layers(i).with_coat_normal(Vec3::new(0.36, 0.8, -0.48));
+    Glossy::at(&material(i), &layers, i.vector(0).dot(NORMAL), i.vector(0), choice < 0.5)
+}
+
 fn evaluated(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {
-    let found = glossy(i, layers).evaluate(wo, wi, NORMAL);
+    value(i, &glossy(i, layers), wo, wi)
+}
+
+fn value(i: &Input, glossy: &Glossy, wo: Vec3, wi: Vec3) -> Output {
+    let found = glossy.evaluate(wo, wi, NORMAL);
     let [r, g, b] = found.value.to_array();
     let limited = glossy::limited(i.vector(4), GEOMETRIC, NORMAL);
     output([r, g, b, found.pdf, limited, limited, limited, limited])
@@ -171,7 +196,11 @@ fn lobe(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {
 }
 
 fn sampled(i: &Input, layers: &Layers, u: f32) -> Output {
-    let (wi, found) = glossy(i, layers).sample(i.vector(0), NORMAL, u, i.float(9));
+    drawn_from(i, &glossy(i, layers), u)
+}
+
+fn drawn_from(i: &Input, glossy: &Glossy, u: f32) -> Output {
+    let (wi, found) = glossy.sample(i.vector(0), NORMAL, u, i.float(9));
     let ([x, y, z], [r, g, b]) = (wi.to_array(), found.weight(1.0).to_array());
     output([x, y, z, 0.0, r, g, b])
 }
@@ -206,6 +235,9 @@ fn glossy_surfaces_are_those_of_rust() {
             9 => |i| packed(i, sampling::basis(NORMAL).0),
             // Without the anisotropy.
             10 => |i| evaluated(i, &layers(i), i.vector(0), i.vector(4)),
+            13 => |i| transmitted(i, i.float(9)),
+            14 => |i| value(i, &coated(i, 1.0 - i.float(8)), i.vector(0), i.vector(4)),
+            15 => |i| drawn_from(i, &coated(i, i.float(8)), i.float(8) * 0.99),
             11 => |i| sampled(i, &layers(i), i.float(8)),
             _ => |i| lobe(i, &layers(i), i.vector(0), i.vector(4)),
         };

@@ -5,8 +5,8 @@ use std::mem::offset_of;
 use bytemuck::{Pod, Zeroable};
 use photon_core::light_tree::LightNode;
 use photon_core::{
-    Anisotropy, Camera, Element, ErrorMoments, Estimate, Light, Material, MaterialTextures, Medium, Photon, PhotonRay,
-    Primitive, Query, TextureUse,
+    Anisotropy, Camera, ClearcoatNormal, DiffuseTransmission, Element, ErrorMoments, Estimate, Light, Material,
+    MaterialTextures, Medium, Photon, PhotonRay, Primitive, Query, TextureUse,
 };
 
 use super::spirv::{Member, Shape, structs};
@@ -60,6 +60,8 @@ fn records() -> Vec<Record> {
             specular_color_factor clearcoat_factor
             clearcoat_roughness_factor clearcoat clearcoat_roughness anisotropy),
         record!(Anisotropy: strength direction texture),
+        record!(DiffuseTransmission: color factor color_texture factor_texture reserved),
+        record!(ClearcoatNormal: is_own texture scale reserved),
         record!(LightNode: center radius intensity axis cone next),
     ]
 }

@@ -36,6 +36,10 @@ pub(super) fn rows() -> Vec<Row> {
         row("shade, specular", 6, Bound::Bits, hit, |i| specular(&shaded(i, [i.float(0), i.float(1)]))),
         // As of normals; directions of the texture are at least 0.5 long.
         row("shade, anisotropy", 7, Bound::Within(3e-5), hit, |i| anisotropy(&shaded(i, [i.float(0), i.float(1)]))),
+        row("shade, transmission", 8, Bound::Bits, hit, |i| transmission(&shaded(i, [i.float(0), i.float(1)]))),
+        row("shade, clearcoat's normal", 9, Bound::Within(2e-5), hit, |i| {
+            four_of(shaded(i, [i.float(0), i.float(1)]).layers.coat_normal)
+        }),
         // Vertex normals and tangents are off by 1e-6, a perpendicular of the tangent by four times that, and its
         // length is at least 0.5.
         row("shade, normal", 5, Bound::Within(2e-5), hit, |i| four_of(shaded(i, [i.float(0), i.float(1)]).normal)),
@@ -159,6 +163,11 @@ fn anisotropy(shaded: &Shaded) -> Output {
     output([x, y, z, shaded.layers.anisotropy])
 }
 
+fn transmission(shaded: &Shaded) -> Output {
+    let [r, g, b] = shaded.layers.transmission_color.to_array();
+    output([r, g, b, shaded.layers.diffuse_transmission])
+}
+
 fn colors(shaded: &Shaded) -> Output {
     let ([r, g, b], [x, y, z]) = (shaded.material.albedo, shaded.material.emission);
     output([r, g, b, shaded.material.roughness, x, y, z, shaded.material.metallic])
@@ -208,6 +217,8 @@ fn hits_are_shaded_as_in_rust() {
             2 => |i| four_of(turned(i, -i.float(3))),
             3 => |i| ratio(i, i.0[2] ^ 1),
             4 => |i| colors(&shaded(i, [i.float(1), i.float(0)])),
+            9 => |i| four_of(shaded(i, [i.float(1), i.float(0)]).layers.coat_normal),
+            8 => |i| transmission(&shaded(i, [i.float(1), i.float(0)])),
             6 => |i| specular(&shaded(i, [i.float(1), i.float(0)])),
             _ => |i| four_of(shaded(i, [i.float(1), i.float(0)]).normal),
         };

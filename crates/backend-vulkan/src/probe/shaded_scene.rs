@@ -4,8 +4,9 @@ use std::sync::LazyLock;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    Anisotropy, Filter, Light, Material, MaterialKind, MaterialTextures, OwnedShadingTables, Primitive, SceneView,
-    ShadingTables, TexelFormat, Texture, TextureUse, Wrap, octahedral, sampling,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, Light, Material, MaterialKind, MaterialTextures,
+    OwnedShadingTables, Primitive, SceneView, ShadingTables, TexelFormat, Texture, TextureUse, Wrap, octahedral,
+    sampling,
 };
 use photon_scene::CompressedTree;
 
@@ -108,7 +109,7 @@ impl ShadedScene {
     fn add_materials(&mut self, d: &mut Draw) {
         let none = MaterialTextures::NONE;
         let images = self.shading.textures.len() as u32 - 4;
-        let mut of_specular = Draw::of(0, 4);
+        let (mut of_specular, mut of_leaves) = (Draw::of(0, 4), Draw::of(0, 6));
         for index in 0..12 {
             let mut image = || if d.now_and_then() { none } else { d.word() % images };
             let (base_color, emission, metallic_roughness) = (image(), image(), image());
@@ -132,12 +133,27 @@ impl ShadedScene {
                 specular_color_factor: [(); 3].map(|()| of_specular.between(0.5, 3.0)),
             };
             self.shading.material_textures.push(entry);
+            let mut used = || if of_leaves.now_and_then() { none } else { of_leaves.word() % images };
+            let (color_texture, factor_texture) = (used(), used());
+            let color = [(); 3].map(|()| of_leaves.unit());
+            let factor = if index % 4 == 3 { of_leaves.between(0.1, 1.0) } else { 0.0 };
+            let leaf =
+                DiffuseTransmission { color, factor, color_texture, factor_texture, ..DiffuseTransmission::NONE };
+            // Vertex normals, and normal maps.
+            let texture = if index % 4 == 1 { images + index % 3 } else { none };
+            let coat = ClearcoatNormal { is_own: index % 2, texture, scale: 0.7, reserved: 0 };
+            self.shading.clearcoat_normals.push(coat);
+            // Those without any are not read.
+            self.shading.diffuse_transmissions.push(if factor > 0.0 { leaf } else { DiffuseTransmission::NONE });
             let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];
             let emission = [d.between(0.5, 9.0), d.between(0.5, 9.0), d.between(0.5, 9.0)];
             let textures = if index == 0 { 0 } else { index + 1 };
             // Two of three have alpha: probabilities, and a cutoff.
             let (flags, alpha_cutoff) = [(0, 0.0), (Material::ALPHA, 0.0), (Material::ALPHA, 0.2)][index as usize % 3];
             let alpha = d.between(0.5, 1.0);
+            let entry = (textures as usize).checked_sub(1).and_then(|at| self.shading.diffuse_transmissions.get(at));
+            let transmits = entry.is_some_and(|entry| entry.factor > 0.0);
+            let flags = if transmits { flags | Material::DIFFUSE_TRANSMISSION } else { flags };
             let kind = if index % 2 == 0 { MaterialKind::Lambert } else { MaterialKind::Glossy };
             let (metallic, roughness, specular) = (d.unit(), d.unit(), of_specular.between(0.5, 1.0));
             let surface =

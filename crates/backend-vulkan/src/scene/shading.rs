@@ -22,6 +22,8 @@ struct Record {
     has_normals: u32,
     rough_ratios: u32,
     anisotropies: u64,
+    diffuse_transmissions: u64,
+    clearcoat_normals: u64,
 }
 
 /// `Texture` of texture.glsl.
@@ -61,6 +63,12 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
         record.material_textures = upload.table("textures", tables.material_textures)?;
         if !tables.anisotropies.is_empty() {
             record.anisotropies = upload.table("textures", tables.anisotropies)?;
+        }
+        if !tables.diffuse_transmissions.is_empty() {
+            record.diffuse_transmissions = upload.table("textures", tables.diffuse_transmissions)?;
+        }
+        if !tables.clearcoat_normals.is_empty() {
+            record.clearcoat_normals = upload.table("textures", tables.clearcoat_normals)?;
         }
         record.values = upload.table("textures", byte_values().as_flattened())?;
     }

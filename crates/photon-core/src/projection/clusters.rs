@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::requirements::reflects;
 use crate::scene::SceneView;
 
 /// A sphere, normalised space.
@@ -26,7 +27,7 @@ pub(super) fn of(scene: &SceneView<'_>, most: usize) -> Vec<Sphere> {
     let specular = || {
         let primitives = scene.primitives.iter().zip(scene.triangles);
         primitives
-            .filter(|(primitive, _)| scene.materials[primitive.material as usize].is_specular())
+            .filter(|(primitive, _)| reflects(&scene.materials[primitive.material as usize], scene))
             .map(|(_, triangle)| triangle)
     };
     let count = specular().count();

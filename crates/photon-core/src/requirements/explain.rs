@@ -32,6 +32,10 @@ const CLEARCOAT: &str = "a second reflection at each of its surfaces; clearcoat 
 /// What anisotropy costs, and how to do without.
 const ANISOTROPY: &str = "a frame of tangents at each of its surfaces; anisotropy = 0 in an override file removes it";
 
+/// What diffuse transmission costs, and how to do without.
+const DIFFUSE_TRANSMISSION: &str = "a second query at each of its surfaces, for the light on the other side; \
+                                    diffuse_transmission = 0 in an override file removes it";
+
 /// What rough glass costs, and how to do without.
 const ROUGH_GLASS: &str = "camera paths sample a light at each of its surfaces, on one of the two sides; roughness = 0 in an \
                            override file makes it smooth";
@@ -66,6 +70,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 }
                 (triangles, _) if feature == Features::ANISOTROPY => {
                     format!("{}; {ANISOTROPY}", counted(triangles, "triangle"))
+                }
+                (triangles, _) if feature == Features::DIFFUSE_TRANSMISSION => {
+                    format!("{}; {DIFFUSE_TRANSMISSION}", counted(triangles, "triangle"))
                 }
                 (triangles, _) if feature == Features::ROUGH_GLASS => {
                     format!("{}; {ROUGH_GLASS}", counted(triangles, "triangle"))
@@ -233,7 +240,7 @@ fn map(kind: MapKind, settings: &Settings, required: &Requirements) -> (&'static
                 (true, _) => "mirrors, glass or glossy surfaces are in reach of a light",
                 (false, _) if !settings.caustics && !gather => "caustics are left out",
                 (false, false) => "nothing reflects or refracts",
-                (false, true) => "all mirrors, glass and glossy surfaces lie behind all lights",
+                (false, true) => "no light reaches a surface that reflects or refracts",
             },
         ),
         MapKind::Global => (

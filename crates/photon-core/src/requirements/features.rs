@@ -59,6 +59,10 @@ bitflags! {
         const SUN = 1 << 22;
         /// Anisotropic reflection.
         const ANISOTROPY = 1 << 23;
+        /// Diffuse transmission through sheets: leaves, paper, cloth.
+        const DIFFUSE_TRANSMISSION = 1 << 24;
+        /// Clearcoats with normals of their own.
+        const CLEARCOAT_NORMALS = 1 << 25;
     }
 }
 
@@ -76,7 +80,9 @@ impl Features {
         .union(Self::ROUGH_GLASS)
         .union(Self::SPECULAR_COLORS)
         .union(Self::CLEARCOAT)
-        .union(Self::ANISOTROPY);
+        .union(Self::ANISOTROPY)
+        .union(Self::DIFFUSE_TRANSMISSION)
+        .union(Self::CLEARCOAT_NORMALS);
     /// Where camera paths sample lights, and go on.
     pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);
     /// All lobes that are not diffuse.
@@ -108,6 +114,8 @@ impl Features {
         "clearcoat",
         "sun",
         "anisotropy",
+        "diffuse-transmission",
+        "clearcoat-normals",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

@@ -179,10 +179,21 @@ pub(crate) fn has_gloss_caustics(scene: &SceneView<'_>) -> bool {
         }
         MaterialKind::Lambert | MaterialKind::Glossy => false,
     };
-    let features = Features::of(scene);
-    features.contains(Features::GLOSSY)
-        && features.intersects(Features::DELTA_LIGHTS)
+    let is_glossy = |material: &Material| material.kind() == MaterialKind::Glossy && reflects(material, scene);
+    scene.materials_in_use().any(is_glossy)
+        && Features::of(scene).intersects(Features::DELTA_LIGHTS)
         && scene.materials_in_use().any(is_perfect)
+}
+
+/// Whether camera paths and photons go on from a material by reflection or refraction: a sheet that transmits diffusely may
+/// have a base alone.
+pub(crate) fn reflects(material: &Material, scene: &SceneView<'_>) -> bool {
+    let textures = (material.textures as usize).checked_sub(1);
+    let textures = textures.and_then(|index| scene.shading.material_textures.get(index));
+    let is_matte = material.flags & Material::DIFFUSE_TRANSMISSION != 0
+        && (material.metallic, material.specular) == (0.0, 0.0)
+        && textures.is_none_or(|textures| textures.clearcoat_factor == 0.0);
+    material.is_specular() && !is_matte
 }
 
 /// The features that a material of `scene` needs.
@@ -218,6 +229,10 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
     let used = |index: u32| index != MaterialTextures::NONE;
     let is_glossy = material.kind() == MaterialKind::Glossy;
     let anisotropy = tables.anisotropies.get(textures.anisotropy as usize);
+    let coat = index.and_then(|index| tables.clearcoat_normals.get(index));
+    let coat = coat.filter(|coat| coat.is_own != 0 && textures.clearcoat_factor > 0.0);
+    let transmission = index.and_then(|index| tables.diffuse_transmissions.get(index));
+    let transmission = transmission.filter(|entry| entry.factor > 0.0);
     let all = [
         textures.base_color,
         textures.emission,
@@ -227,12 +242,17 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
         textures.clearcoat,
         textures.clearcoat_roughness,
         anisotropy.map_or(MaterialTextures::NONE, |anisotropy| anisotropy.texture),
+        coat.map_or(MaterialTextures::NONE, |coat| coat.texture),
+        transmission.map_or(MaterialTextures::NONE, |entry| entry.color_texture),
+        transmission.map_or(MaterialTextures::NONE, |entry| entry.factor_texture),
     ];
     attributes
         .union(when(all.into_iter().any(used), Features::TEXTURES))
         .union(when(is_glossy && textures.has_specular_color(), Features::SPECULAR_COLORS))
         .union(when(is_glossy && textures.clearcoat_factor > 0.0, Features::CLEARCOAT))
         .union(when(is_glossy && anisotropy.is_some(), Features::ANISOTROPY))
+        .union(when(is_glossy && coat.is_some(), Features::CLEARCOAT_NORMALS))
+        .union(when(is_glossy && transmission.is_some(), Features::DIFFUSE_TRANSMISSION))
         .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
         .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))
 }
@@ -262,7 +282,7 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
     let mut low = [f32::INFINITY; 3];
     let mut high = [f32::NEG_INFINITY; 3];
     for (triangle, primitive) in scene.triangles.iter().zip(scene.primitives) {
-        if !scene.materials.get(primitive.material as usize).is_some_and(Material::is_specular) {
+        if !scene.materials.get(primitive.material as usize).is_some_and(|material| reflects(material, scene)) {
             continue;
         }
         for p in triangle.iter().filter_map(|&vertex| scene.positions.get(vertex as usize)) {

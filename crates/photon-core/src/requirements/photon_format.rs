@@ -102,7 +102,13 @@ fn is_grey(scene: &SceneView<'_>) -> bool {
         let features = crate::requirements::material_features(material, scene);
         let even = scene.media.get(material.medium as usize).is_none_or(|medium| equal(medium.absorption));
         let colored = Features::TEXTURES.union(Features::VERTEX_COLORS).union(Features::SPECULAR_COLORS);
-        equal(material.albedo) && !features.intersects(colored) && (even || !features.contains(Features::ABSORPTION))
+        let entry = (material.textures as usize).checked_sub(1);
+        let entry = entry.and_then(|index| scene.shading.diffuse_transmissions.get(index));
+        let transmits = entry.is_none_or(|entry| entry.factor == 0.0 || equal(entry.color));
+        equal(material.albedo)
+            && transmits
+            && !features.intersects(colored)
+            && (even || !features.contains(Features::ABSORPTION))
     };
     let light = |light: &Light| equal(light.power);
     let sky = |map: &EnvironmentMap| map.texels().iter().all(|&[r, g, b, _]| equal([r, g, b]));

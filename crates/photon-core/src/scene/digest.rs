@@ -46,7 +46,18 @@ impl SceneView<'_> {
             radius,
             units: Units { center, scale, power },
         } = *self;
-        let ShadingTables { normals, tangents, colors, uvs, material_textures, anisotropies, uses, textures } = shading;
+        let ShadingTables {
+            normals,
+            tangents,
+            colors,
+            uvs,
+            material_textures,
+            anisotropies,
+            diffuse_transmissions,
+            clearcoat_normals,
+            uses,
+            textures,
+        } = shading;
         let mut digest = Digest(Digest::BASIS);
         digest.table(positions);
         digest.table(triangles);
@@ -61,6 +72,13 @@ impl SceneView<'_> {
         digest.table(uvs);
         digest.table(material_textures);
         digest.table(anisotropies);
+        // Scenes without these keep the digest that they had before.
+        if !diffuse_transmissions.is_empty() {
+            digest.table(diffuse_transmissions);
+        }
+        if !clearcoat_normals.is_empty() {
+            digest.table(clearcoat_normals);
+        }
         digest.table(uses);
         digest.table(&[textures.len() as u64]);
         for Texture { texels, width, height, format, wrap, filter } in textures {

@@ -10,7 +10,7 @@ use crate::scene::camera::Camera;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
-use crate::scene::texture::{Anisotropy, MaterialTextures, TextureUse};
+use crate::scene::texture::{Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, TextureUse};
 use crate::shading::light_tree::LightNode;
 
 /// An element type of buffers; its GLSL counterpart has the same offsets.
@@ -182,6 +182,8 @@ elements!(
     TextureUse = 32,
     MaterialTextures = 64,
     Anisotropy = 16,
+    DiffuseTransmission = 32,
+    ClearcoatNormal = 16,
     LightNode = 32,
 );
 

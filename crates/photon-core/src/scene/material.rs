@@ -105,6 +105,8 @@ impl Material {
     /// texture [`crate::MaterialTextures::alpha`] times that of the vertex colours. Not for dielectrics, whose boundaries
     /// must be closed. Emitted light is covered likewise; [`crate::Light::power`] does not include alpha.
     pub const ALPHA: u32 = 1 << 1;
+    /// Flag of glossy materials: [`crate::ShadingTables::diffuse_transmissions`] has an entry for it whose factor is above 0.
+    pub const DIFFUSE_TRANSMISSION: u32 = 1 << 2;
 
     /// The type of scattering. [`crate::SceneView::validate`] refuses unknown numbers; here they count as
     /// Lambert.
@@ -133,7 +135,7 @@ impl Material {
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
-        self.is_diffuse() && self.albedo != [0.0; 3]
+        self.is_diffuse() && (self.albedo != [0.0; 3] || self.flags & Self::DIFFUSE_TRANSMISSION != 0)
     }
 
     /// Whether camera paths go on here: whether some of the scattering is specular or glossy.

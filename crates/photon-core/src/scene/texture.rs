@@ -169,6 +169,55 @@ pub struct Anisotropy {
     pub texture: u32,
 }
 
+/// Diffuse transmission of a glossy material: Lambertian light to the other side of a sheet without thickness.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct DiffuseTransmission {
+    /// Albedo of transmission where all of the base transmits, linear RGB, each channel in `[0, 1]`.
+    pub color: [f32; 3],
+    /// Share of the base that transmits instead of reflecting, in `[0, 1]`; 0 is a material without transmission.
+    pub factor: f32,
+    /// Its colour multiplies [`Self::color`]. Index into [`ShadingTables::uses`]; [`MaterialTextures::NONE`] without one.
+    pub color_texture: u32,
+    /// Its alpha multiplies [`Self::factor`]; likewise.
+    pub factor_texture: u32,
+    /// 0.
+    pub reserved: [u32; 2],
+}
+
+impl DiffuseTransmission {
+    /// No transmission.
+    pub const NONE: Self = Self {
+        color: [1.0; 3],
+        factor: 0.0,
+        color_texture: MaterialTextures::NONE,
+        factor_texture: MaterialTextures::NONE,
+        reserved: [0; 2],
+    };
+}
+
+/// The normal of a clearcoat, where it differs from that of the surface below.
+// Exhaustive: a record of buffers, whose layout is part of the interface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ClearcoatNormal {
+    /// 1: the clearcoat has the vertex normal, turned by a texture if there is one; 0: the normal of the surface below.
+    pub is_own: u32,
+    /// Tangent-space normals as [`MaterialTextures::normal`]. Index into [`ShadingTables::uses`];
+    /// [`MaterialTextures::NONE`] without one.
+    pub texture: u32,
+    /// Factor on the x and y of the texture, finite.
+    pub scale: f32,
+    /// 0.
+    pub reserved: u32,
+}
+
+impl ClearcoatNormal {
+    /// The normal of the surface below.
+    pub const NONE: Self = Self { is_own: 0, texture: MaterialTextures::NONE, scale: 1.0, reserved: 0 };
+}
+
 impl MaterialTextures {
     /// No texture.
     pub const NONE: u32 = u32::MAX;
@@ -222,6 +271,11 @@ pub struct ShadingTables<'a> {
     pub material_textures: &'a [MaterialTextures],
     /// Indexed by [`MaterialTextures::anisotropy`]. Needs tangents.
     pub anisotropies: &'a [Anisotropy],
+    /// As [`Self::material_textures`]; empty if no material has diffuse transmission. A factor above 0 needs
+    /// [`crate::Material::DIFFUSE_TRANSMISSION`].
+    pub diffuse_transmissions: &'a [DiffuseTransmission],
+    /// As [`Self::material_textures`]; empty if no clearcoat has a normal of its own. Textures need tangents.
+    pub clearcoat_normals: &'a [ClearcoatNormal],
     /// Indexed by the members of [`MaterialTextures`].
     pub uses: &'a [TextureUse],
     /// Indexed by [`TextureUse::texture_index`].
@@ -244,6 +298,10 @@ pub struct OwnedShadingTables {
     pub material_textures: Vec<MaterialTextures>,
     /// [`ShadingTables::anisotropies`].
     pub anisotropies: Vec<Anisotropy>,
+    /// [`ShadingTables::diffuse_transmissions`].
+    pub diffuse_transmissions: Vec<DiffuseTransmission>,
+    /// [`ShadingTables::clearcoat_normals`].
+    pub clearcoat_normals: Vec<ClearcoatNormal>,
     /// [`ShadingTables::uses`].
     pub uses: Vec<TextureUse>,
     /// [`ShadingTables::textures`].
@@ -262,6 +320,8 @@ impl OwnedShadingTables {
             uvs: &self.uvs,
             material_textures: &self.material_textures,
             anisotropies: &self.anisotropies,
+            diffuse_transmissions: &self.diffuse_transmissions,
+            clearcoat_normals: &self.clearcoat_normals,
             uses: &self.uses,
             textures: &self.textures,
         }
@@ -278,6 +338,8 @@ impl From<&ShadingTables<'_>> for OwnedShadingTables {
             uvs: tables.uvs.to_vec(),
             material_textures: tables.material_textures.to_vec(),
             anisotropies: tables.anisotropies.to_vec(),
+            diffuse_transmissions: tables.diffuse_transmissions.to_vec(),
+            clearcoat_normals: tables.clearcoat_normals.to_vec(),
             uses: tables.uses.to_vec(),
             textures: tables.textures.to_vec(),
         }

@@ -12,6 +12,9 @@
 //! All are reciprocal. The base is Lambertian for photons that are stored with the factor `(1 − S_i)/(1 − S̄)`, that of
 //! [`Coat::entering`], so that density estimation needs no BSDF.
 //!
+//! A sheet may transmit light diffusely: a share of its base has the BTDF `(1 − m) f τ/π (1 − S_o)(1 − S_i) / (1 − S̄)`
+//! towards the other side, with the same coat there, and `(1 − f) c` in place of c: `KHR_materials_diffuse_transmission`.
+//!
 //! Single scattering may be anisotropic ([`crate::anisotropy`]); albedos are then those of its equivalent roughness.
 
 use glam::{Vec2, Vec3};
@@ -108,9 +111,17 @@ pub struct Glossy {
     /// Probability that multiple scattering is sampled rather than single scattering.
     multiple_probability: f32,
     diffuse: Vec3,
+    /// As `diffuse`, for light from the other side.
+    transmitted: Vec3,
+    /// Probability of transmission among both.
+    transmission_probability: f32,
     specular_probability: f32,
     coat: Coat,
     clearcoat: Clearcoat,
+    /// Its shading normal; 0 for that of the surface below.
+    coat_normal: Vec3,
+    /// Whether the path carries light rather than importance.
+    carries_light: bool,
     /// What the clearcoat lets through from the direction of the path.
     through: f32,
     /// Probability that the clearcoat's reflection is sampled rather than the one below it.
@@ -146,6 +157,28 @@ impl Glossy {
     #[inline]
     #[must_use]
     pub fn new(material: &Material, layers: &Layers, cosine: f32) -> Self {
+        Self::with_coat_normal(material, layers, cosine, (Vec3::ZERO, cosine))
+    }
+
+    /// The same for a path that arrives from the direction `wo`, with a clearcoat that may have a normal of its own; with
+    /// `carries_light` it is that of a photon.
+    #[inline]
+    #[must_use]
+    pub fn at(material: &Material, layers: &Layers, cosine: f32, wo: Vec3, carries_light: bool) -> Self {
+        if layers.coat_normal == Vec3::ZERO || layers.clearcoat == 0.0 {
+            return Self::new(material, layers, cosine);
+        }
+        let normal = shading_normal::bend(layers.coat_normal, wo);
+        Self { carries_light, ..Self::with_coat_normal(material, layers, cosine, (normal, wo.dot(normal))) }
+    }
+
+    #[inline]
+    fn with_coat_normal(
+        material: &Material,
+        layers: &Layers,
+        cosine: f32,
+        (coat_normal, coat_cosine): (Vec3, f32),
+    ) -> Self {
         let table = AlbedoTable::get();
         let (metallic, weight) = (material.metallic, material.specular);
         let anisotropic = Anisotropic::of(layers, material.roughness);
@@ -162,19 +195,31 @@ impl Glossy {
         let multiple_albedo = multiple * mean_lost;
         let specular = f0 * directional.x + Vec3::splat(f90 * directional.y) + multiple_albedo;
         let through = 1.0 - reflected(directional, coat_f0, weight);
-        let diffuse = color * (dielectric * through.max(0.0));
+        let mut diffuse = color * (dielectric * through.max(0.0));
+        let (mut transmitted, mut transmission_probability) = (Vec3::ZERO, 0.0);
         let mut coat = Coat::new(roughness, coat_f0, weight);
-        let (most_specular, mut most_diffuse) = (specular.max_element(), diffuse.max_element());
+        let (mut most_specular, mut most_diffuse) = (specular.max_element(), diffuse.max_element());
+        if layers.diffuse_transmission > 0.0 {
+            let share = layers.diffuse_transmission;
+            transmitted = layers.transmission_color * (share * (dielectric * through.max(0.0)));
+            diffuse *= 1.0 - share;
+            let most_transmitted = transmitted.max_element();
+            most_diffuse = diffuse.max_element() + most_transmitted;
+            // As with a metal below: a sheet that only transmits must not count as a mixture.
+            transmission_probability =
+                if diffuse == Vec3::ZERO { f32::from(most_transmitted > 0.0) } else { most_transmitted / most_diffuse };
+        }
         let multiple_probability =
             if most_specular > 0.0 { multiple_albedo.max_element() / most_specular } else { 0.0 };
         let clearcoat = Clearcoat::of(layers);
-        let (mut diffuse, mut most_specular) = (diffuse, most_specular);
         let (mut under, mut clearcoat_probability) = (1.0, 0.0);
         if clearcoat.weight > 0.0 {
             coat = Coat(clearcoat::pack(roughness, coat_f0, weight, clearcoat));
-            under = clearcoat.through(cosine.min(1.0));
-            diffuse *= under;
-            most_diffuse *= under;
+            let above = clearcoat.through(cosine.min(1.0));
+            diffuse *= above;
+            transmitted *= above;
+            most_diffuse *= above;
+            under = if coat_normal == Vec3::ZERO { above } else { clearcoat.through(coat_cosine.min(1.0)) };
             let reflected = 1.0 - under;
             most_specular = reflected + under * most_specular;
             clearcoat_probability = if most_specular > 0.0 { reflected / most_specular } else { 0.0 };
@@ -196,9 +241,13 @@ impl Glossy {
             multiple,
             multiple_probability,
             diffuse,
+            transmitted,
+            transmission_probability,
             specular_probability,
             coat,
             clearcoat,
+            coat_normal,
+            carries_light: false,
             through: under,
             clearcoat_probability,
         }
@@ -210,6 +259,20 @@ impl Glossy {
     #[must_use]
     pub fn diffuse(&self) -> Vec3 {
         self.diffuse
+    }
+
+    /// As [`Self::diffuse`], for irradiance on the other side; 0 without diffuse transmission.
+    #[inline]
+    #[must_use]
+    pub fn transmitted(&self) -> Vec3 {
+        self.transmitted
+    }
+
+    /// Probability of choosing transmission rather than reflection by the base, where one of them is chosen.
+    #[inline]
+    #[must_use]
+    pub fn transmission_probability(&self) -> f32 {
+        self.transmission_probability
     }
 
     /// Probability of following the reflection rather than the base, where one of them is chosen.
@@ -279,12 +342,43 @@ impl Glossy {
             pdf = pdf * (1.0 - self.multiple_probability) + cosine * self.multiple_probability;
         }
         if self.clearcoat.weight > 0.0 {
-            let above = self.clearcoat.evaluate(o, i, h);
             let p = self.clearcoat_probability;
-            value = value * self.through.min(self.clearcoat.through(i.z)) + above.value;
+            let (above, leaving) = match self.coat_normal == Vec3::ZERO {
+                true => (self.clearcoat.evaluate(o, i, h), i.z),
+                false => self.above(wo, wi, [o.z, i.z]),
+            };
+            value = value * self.through.min(self.clearcoat.through(leaving)) + above.value;
             pdf = pdf * (1.0 - p) + above.pdf * p;
         }
         Reflected { value, pdf }
+    }
+
+    /// The reflection of a clearcoat with a normal of its own, and the cosine of `wi` to it. `cosines` are those to the
+    /// shading normal, by which the value is multiplied later on.
+    #[inline]
+    fn above(&self, wo: Vec3, wi: Vec3, cosines: [f32; 2]) -> (Reflected, f32) {
+        let (tangent, bitangent) = sampling::basis(self.coat_normal);
+        let local = |w: Vec3| Vec3::new(w.dot(tangent), w.dot(bitangent), w.dot(self.coat_normal));
+        let (o, i) = (local(wo), local(wi));
+        if !(o.z > 0.0 && i.z > 0.0) {
+            return (Reflected::default(), i.z);
+        }
+        let mut above = self.clearcoat.evaluate(o, i, (o + i).normalize_or(Vec3::Z));
+        // The cosine is that of the light, and factors for photons are relative to the shading normal.
+        let limit = |own: f32, other: f32| own.min(shading_normal::MAX_RATIO * other);
+        let counted = match self.carries_light {
+            false => limit(i.z, cosines[1]),
+            true => limit(o.z, cosines[0]) * cosines[1] / cosines[0],
+        };
+        above.value *= counted / i.z;
+        (above, i.z)
+    }
+
+    /// The normal of the clearcoat, or `normal`, that of the surface below.
+    #[inline]
+    #[must_use]
+    pub fn coat_normal(&self, normal: Vec3) -> Vec3 {
+        if self.coat_normal == Vec3::ZERO { normal } else { self.coat_normal }
     }
 
     /// Two vectors perpendicular to the shading normal, along and across the anisotropy.
@@ -304,14 +398,16 @@ impl Glossy {
         let wi = if is_below && u < p {
             sampling::cosine_hemisphere(normal, u / p, v)
         } else {
-            let (tangent, bitangent) = self.frame(normal);
-            let o = Vec3::new(wo.dot(tangent), wo.dot(bitangent), wo.dot(normal));
+            let has_own = !is_below && self.coat_normal != Vec3::ZERO;
+            let axis = if has_own { self.coat_normal } else { normal };
+            let (tangent, bitangent) = if has_own { sampling::basis(axis) } else { self.frame(normal) };
+            let o = Vec3::new(wo.dot(tangent), wo.dot(bitangent), wo.dot(axis));
             let rest = if is_below { ((u - p) / (1.0 - p)).min(1.0 - f32::EPSILON) } else { u };
             let i = match &self.anisotropic {
                 Some(anisotropic) if is_below => anisotropy::sample(anisotropic.widths, o, rest, v),
                 _ => ggx::sample(if is_below { self.alpha } else { self.clearcoat.alpha() }, o, rest, v),
             };
-            tangent * i.x + bitangent * i.y + normal * i.z
+            tangent * i.x + bitangent * i.y + axis * i.z
         };
         (wi, self.evaluate(wo, wi, normal))
     }

@@ -14,11 +14,17 @@ pub struct Layers {
     pub clearcoat: f32,
     /// Its roughness, in `[0, 1]`; the width of the distribution is its square.
     pub clearcoat_roughness: f32,
+    /// Its shading normal, on the side that the ray came from; 0 for that of the surface below.
+    pub coat_normal: Vec3,
     /// Strength of the anisotropy of the reflection, in `[0, 1]`; 0 without any: [`crate::anisotropy`].
     pub anisotropy: f32,
     /// Direction of the anisotropy, in which the reflection is wider: a vector along the surface, of which only the line
     /// matters, or 0 for any.
     pub tangent: Vec3,
+    /// Share of the base that transmits instead of reflecting, in `[0, 1]`; 0 without diffuse transmission.
+    pub diffuse_transmission: f32,
+    /// Its albedo where all of the base transmits.
+    pub transmission_color: Vec3,
 }
 
 impl Layers {
@@ -27,8 +33,11 @@ impl Layers {
         specular_color: Vec3::ONE,
         clearcoat: 0.0,
         clearcoat_roughness: 0.0,
+        coat_normal: Vec3::ZERO,
         anisotropy: 0.0,
         tangent: Vec3::ZERO,
+        diffuse_transmission: 0.0,
+        transmission_color: Vec3::ONE,
     };
 
     /// The same with this [`Self::specular_color`].
@@ -43,10 +52,22 @@ impl Layers {
         Self { clearcoat: weight, clearcoat_roughness: roughness, ..self }
     }
 
+    /// The same with this [`Self::coat_normal`].
+    #[must_use]
+    pub const fn with_coat_normal(self, coat_normal: Vec3) -> Self {
+        Self { coat_normal, ..self }
+    }
+
     /// The same with this [`Self::anisotropy`] in the direction of [`Self::tangent`].
     #[must_use]
     pub const fn with_anisotropy(self, anisotropy: f32, tangent: Vec3) -> Self {
         Self { anisotropy, tangent, ..self }
+    }
+
+    /// The same with this [`Self::diffuse_transmission`] and [`Self::transmission_color`].
+    #[must_use]
+    pub const fn with_diffuse_transmission(self, share: f32, color: Vec3) -> Self {
+        Self { diffuse_transmission: share, transmission_color: color, ..self }
     }
 
     /// Reflectance at normal incidence of the coat of `material`: its factor times `min(s ((n−1)/(n+1))², 1)`.

@@ -86,6 +86,25 @@ impl Shading<'_> {
                 let (strength, direction) = direction(anisotropy, texel);
                 layers = layers.with_anisotropy(strength, self.tangent(&corners, normal, direction));
             }
+            let index = (material.textures as usize).wrapping_sub(1);
+            let coat = self.tables.clearcoat_normals.get(index).filter(|coat| coat.is_own != 0);
+            if let Some(coat) = coat.filter(|_| textures.clearcoat_factor > 0.0) {
+                let turned = self
+                    .sample(coat.texture, &corners)
+                    .map_or(normal, |texel| self.mapped_normal(&corners, normal, texel, coat.scale));
+                let turned = bend(turned, front);
+                layers = layers.with_coat_normal(if surface.front { turned } else { -turned });
+            }
+            if let Some(entry) = self.tables.diffuse_transmissions.get(index) {
+                let (mut share, mut color) = (entry.factor, Vec3::from(entry.color));
+                if let Some([.., alpha]) = self.texel(entry.factor_texture, &corners) {
+                    share *= alpha;
+                }
+                if let Some(texel) = self.sample(entry.color_texture, &corners) {
+                    color *= texel;
+                }
+                layers = layers.with_diffuse_transmission(share, color);
+            }
             if let Some(texel) = self.sample(textures.normal, &corners) {
                 normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
             }

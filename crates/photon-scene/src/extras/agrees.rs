@@ -72,7 +72,9 @@ impl Agrees for MaterialDesc {
             && close(self.clearcoat, exact.clearcoat)
             && close(self.clearcoat_roughness, exact.clearcoat_roughness)
             && close(self.anisotropy, exact.anisotropy)
-            && close(self.anisotropy_rotation, exact.anisotropy_rotation);
+            && close(self.anisotropy_rotation, exact.anisotropy_rotation)
+            && close(self.diffuse_transmission, exact.diffuse_transmission)
+            && all_close(self.diffuse_transmission_color, exact.diffuse_transmission_color);
         surface && coat && sides && all_close(self.emission, exact.emission)
     }
 }

@@ -30,7 +30,15 @@ pub(crate) struct TexturesExtras {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     clearcoat_roughness: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    clearcoat_normal: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    clearcoat_normal_scale: Option<Exact>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     anisotropy: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    diffuse_transmission: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    diffuse_transmission_color: Option<Transform>,
     normal_scale: Exact,
 }
 
@@ -47,7 +55,12 @@ impl TexturesExtras {
         let (metallic_roughness, specular) = (of(textures.metallic_roughness), of(textures.specular));
         let specular_color = of(textures.specular_color);
         let (clearcoat, clearcoat_roughness) = (of(textures.clearcoat), of(textures.clearcoat_roughness));
+        let clearcoat_normal = of(textures.clearcoat_normal);
+        let coat_scale = textures.clearcoat_normal_scale;
+        let clearcoat_normal_scale = (coat_scale != 1.0).then_some(Exact(coat_scale));
         let anisotropy = of(textures.anisotropy);
+        let diffuse_transmission = of(textures.diffuse_transmission);
+        let diffuse_transmission_color = of(textures.diffuse_transmission_color);
         let normal_scale = Exact(textures.normal_scale);
         let all = [
             &base_color,
@@ -58,10 +71,13 @@ impl TexturesExtras {
             &specular_color,
             &clearcoat,
             &clearcoat_roughness,
+            &clearcoat_normal,
             &anisotropy,
+            &diffuse_transmission,
+            &diffuse_transmission_color,
         ];
         let is_plain = all.iter().all(|used| used.is_none());
-        (!is_plain || normal_scale.0 != 1.0).then_some(Self {
+        (!is_plain || normal_scale.0 != 1.0 || clearcoat_normal_scale.is_some()).then_some(Self {
             base_color,
             emission,
             normal,
@@ -70,7 +86,11 @@ impl TexturesExtras {
             specular_color,
             clearcoat,
             clearcoat_roughness,
+            clearcoat_normal,
+            clearcoat_normal_scale,
             anisotropy,
+            diffuse_transmission,
+            diffuse_transmission_color,
             normal_scale,
         })
     }
@@ -87,6 +107,9 @@ impl TexturesExtras {
         };
         // Without a normal map, its scale does not matter.
         let agrees = textures.normal.is_none() || close(textures.normal_scale, self.normal_scale.0);
+        let coat_scale = self.clearcoat_normal_scale.map_or(1.0, |scale| scale.0);
+        let agrees =
+            agrees && (textures.clearcoat_normal.is_none() || close(textures.clearcoat_normal_scale, coat_scale));
         let base_color = of(textures.base_color, &self.base_color)?;
         agrees.then_some(TexturesDesc {
             base_color,
@@ -97,7 +120,11 @@ impl TexturesExtras {
             specular_color: of(textures.specular_color, &self.specular_color)?,
             clearcoat: of(textures.clearcoat, &self.clearcoat)?,
             clearcoat_roughness: of(textures.clearcoat_roughness, &self.clearcoat_roughness)?,
+            clearcoat_normal: of(textures.clearcoat_normal, &self.clearcoat_normal)?,
+            clearcoat_normal_scale: coat_scale,
             anisotropy: of(textures.anisotropy, &self.anisotropy)?,
+            diffuse_transmission: of(textures.diffuse_transmission, &self.diffuse_transmission)?,
+            diffuse_transmission_color: of(textures.diffuse_transmission_color, &self.diffuse_transmission_color)?,
             normal_scale: self.normal_scale.0,
             // In glTF, the same texture.
             alpha: textures.alpha.and(base_color),

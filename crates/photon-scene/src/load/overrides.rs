@@ -172,11 +172,28 @@ impl Overrides {
         if kind != before {
             (desc.clearcoat, desc.clearcoat_roughness) = (0.0, 0.0);
             (desc.textures.clearcoat, desc.textures.clearcoat_roughness) = (None, None);
+            desc.textures.clearcoat_normal = None;
         }
         let (mut new_clearcoat, mut new_clearcoat_roughness) = (with.clearcoat, with.clearcoat_roughness);
         if !matches!(kind, Kind::Glass | Kind::Thin) {
             desc.clearcoat = new_clearcoat.take().unwrap_or(desc.clearcoat);
             desc.clearcoat_roughness = new_clearcoat_roughness.take().unwrap_or(desc.clearcoat_roughness);
+        }
+        if with.diffuse_transmission.is_some() {
+            desc.textures.diffuse_transmission = None;
+        }
+        if with.diffuse_transmission_color.is_some() {
+            desc.textures.diffuse_transmission_color = None;
+        }
+        let (mut new_transmission, mut new_transmission_color) =
+            (with.diffuse_transmission, with.diffuse_transmission_color);
+        if matches!(kind, Kind::Lambert | Kind::Glossy) {
+            let color = new_transmission_color.take();
+            desc.diffuse_transmission = new_transmission.take().unwrap_or(desc.diffuse_transmission);
+            desc.diffuse_transmission_color = color.map_or(desc.diffuse_transmission_color, |given| given.rgb());
+        } else {
+            (desc.diffuse_transmission, desc.diffuse_transmission_color) = (0.0, [1.0; 3]);
+            (desc.textures.diffuse_transmission, desc.textures.diffuse_transmission_color) = (None, None);
         }
         if with.anisotropy.is_some() || with.anisotropy_degrees.is_some() || kind != before {
             desc.textures.anisotropy = None;
@@ -229,6 +246,8 @@ impl Overrides {
             ("clearcoat_roughness", new_clearcoat_roughness.is_some()),
             ("anisotropy", new_anisotropy.is_some()),
             ("anisotropy_degrees", new_rotation.is_some()),
+            ("diffuse_transmission", new_transmission.is_some()),
+            ("diffuse_transmission_color", new_transmission_color.is_some()),
         ];
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
@@ -237,7 +256,8 @@ impl Overrides {
                         priority, thin has ior, tint and roughness, \
                         glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy and \
                         anisotropy_degrees, \
-                        all but glass and thin have clearcoat and clearcoat_roughness; \
+                        all but glass and thin have clearcoat and clearcoat_roughness, \
+                        lambert and glossy diffuse_transmission and diffuse_transmission_color; \
                         give another kind, or leave it out";
             return Err(self.fault(what, hint));
         }

@@ -36,6 +36,8 @@ pub(super) struct Material {
     pub(super) clearcoat_roughness: Option<f64>,
     pub(super) anisotropy: Option<f64>,
     pub(super) anisotropy_degrees: Option<f64>,
+    pub(super) diffuse_transmission: Option<f64>,
+    pub(super) diffuse_transmission_color: Option<Colour>,
     /// Share of the light that meets the surface; the rest passes. 1 is opaque.
     pub(super) alpha: Option<f64>,
     pub(super) emission: Option<Colour>,

@@ -62,6 +62,12 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "anisotropyRotation": single(desc.anisotropy_rotation, what)?,
         });
     }
+    if desc.diffuse_transmission > 0.0 {
+        extensions["KHR_materials_diffuse_transmission"] = json!({
+            "diffuseTransmissionFactor": single(desc.diffuse_transmission, what)?,
+            "diffuseTransmissionColorFactor": singles(desc.diffuse_transmission_color, what)?,
+        });
+    }
     let (strength, factor) = scaled(desc.emission);
     if strength > 0.0 {
         extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": single(strength, what)? });
@@ -93,7 +99,16 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "clearcoat_roughness" => {
                 extensions["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"] = info.clone();
             }
+            "clearcoat_normal" => {
+                extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = info.clone();
+            }
             "anisotropy" => extensions["KHR_materials_anisotropy"]["anisotropyTexture"] = info.clone(),
+            "diffuse_transmission" => {
+                extensions["KHR_materials_diffuse_transmission"]["diffuseTransmissionTexture"] = info.clone();
+            }
+            "diffuse_transmission_color" => {
+                extensions["KHR_materials_diffuse_transmission"]["diffuseTransmissionColorTexture"] = info.clone();
+            }
             "specular_color" => {
                 extensions["KHR_materials_specular"]["specularColorTexture"] = info.clone();
             }

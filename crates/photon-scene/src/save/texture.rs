@@ -44,8 +44,10 @@ impl File {
                 info["extensions"] = json!({ "KHR_texture_transform": transform(&used, desc)? });
                 self.images.has_transforms = true;
             }
-            if slot == "normal" {
-                info["scale"] = json!(desc.textures.normal_scale as f32);
+            match slot {
+                "normal" => info["scale"] = json!(desc.textures.normal_scale as f32),
+                "clearcoat_normal" => info["scale"] = json!(desc.textures.clearcoat_normal_scale as f32),
+                _ => {}
             }
             infos.push((slot, info));
         }
@@ -55,13 +57,15 @@ impl File {
     fn texture(&mut self, id: TextureId, slot: &str, desc: &TextureDesc) -> Result<usize, SceneError> {
         let refused = |why: &str, hint| SceneError::Export { what: format!("texture '{}', {why}", desc.name), hint };
         let is_linear = desc.image.format == TexelFormat::Linear8;
-        let is_data =
-            matches!(slot, "normal" | "metallic_roughness" | "clearcoat" | "clearcoat_roughness" | "anisotropy");
+        let is_data = matches!(
+            slot,
+            "normal" | "metallic_roughness" | "clearcoat" | "clearcoat_roughness" | "clearcoat_normal" | "anisotropy"
+        );
         if is_data && desc.image.format == TexelFormat::Srgb8 {
             let why = format!("a {} texture in sRGB", slot.replace('_', "-"));
             return Err(refused(&why, "glTF has linear ones: convert it"));
         }
-        if !is_data && is_linear && slot != "specular" {
+        if !is_data && is_linear && !matches!(slot, "specular" | "diffuse_transmission") {
             return Err(refused("a colour of linear bytes", "glTF has colours in sRGB: convert it, or use floats"));
         }
         if let Some(&known) = self.images.indices.get(&id) {

@@ -51,12 +51,14 @@ pub(super) fn record(material: &MaterialDesc, texture: u32) -> Option<Anisotropy
 
 /// The texture whose coordinates the tangents of a material follow: none for UV set 0 as it is.
 pub(super) fn tangent_map(material: &MaterialDesc) -> Option<TextureRef> {
-    material.textures.normal.or(material.textures.anisotropy)
+    let textures = &material.textures;
+    textures.normal.or(textures.anisotropy).or(textures.clearcoat_normal)
 }
 
 /// Whether a material reads tangents.
 pub(super) fn has_tangents(material: &MaterialDesc) -> bool {
-    material.textures.normal.is_some() || material.anisotropy > 0.0
+    let textures = &material.textures;
+    textures.normal.is_some() || material.anisotropy > 0.0 || textures.clearcoat_normal.is_some()
 }
 
 /// [`MaterialTextures::anisotropy`] of a record that is added to `all`.

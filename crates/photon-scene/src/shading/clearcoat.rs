@@ -1,7 +1,11 @@
 //! Clearcoats in their simplest form.
 
+use photon_core::ClearcoatNormal;
+
 use crate::describe::{MaterialDesc, Surface};
 use crate::texture::TextureRef;
+
+use super::fold::is_flat;
 
 /// Multiplies the factors of a clearcoat by textures of one colour. Glass has no clearcoat.
 pub(super) fn fold_clearcoat(material: &mut MaterialDesc, color_of: impl Fn(TextureRef) -> Option<[f64; 3]>) {
@@ -19,9 +23,27 @@ pub(super) fn fold_clearcoat(material: &mut MaterialDesc, color_of: impl Fn(Text
     }
     if material.clearcoat == 0.0 {
         material.clearcoat_roughness = 0.0;
-        (textures.clearcoat, textures.clearcoat_roughness) = (None, None);
+        (textures.clearcoat, textures.clearcoat_roughness, textures.clearcoat_normal) = (None, None, None);
     }
     if material.clearcoat_roughness == 0.0 {
         textures.clearcoat_roughness = None;
     }
+    let is_even = |used: TextureRef| color_of(used).is_some_and(is_flat);
+    if textures.clearcoat_normal_scale == 0.0 || textures.clearcoat_normal.is_some_and(is_even) {
+        textures.clearcoat_normal = None;
+    }
+    if textures.clearcoat_normal.is_none() {
+        textures.clearcoat_normal_scale = 1.0;
+    }
+}
+
+/// The record of a material, whose texture is given by its use. Only beside a normal map the normals of the clearcoat may
+/// differ from those below it.
+pub(super) fn record(material: &MaterialDesc, texture: u32) -> ClearcoatNormal {
+    let textures = &material.textures;
+    let differs = textures.normal.is_some() || textures.clearcoat_normal.is_some();
+    if material.clearcoat == 0.0 || !differs {
+        return ClearcoatNormal::NONE;
+    }
+    ClearcoatNormal { is_own: 1, texture, scale: textures.clearcoat_normal_scale as f32, reserved: 0 }
 }

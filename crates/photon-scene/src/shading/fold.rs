@@ -6,6 +6,7 @@ use photon_core::{Texture, ggx};
 use super::alpha::uniform_alpha;
 use super::anisotropy::{fold_anisotropy, remove_anisotropy};
 use super::clearcoat::fold_clearcoat;
+use super::diffuse_transmission::fold_diffuse_transmission;
 use super::specular_color::fold_specular_color;
 use super::texel::Decoder;
 use crate::describe::{MaterialDesc, Surface};
@@ -53,6 +54,7 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
         }
         fold_specular_color(material, color_of);
         fold_clearcoat(material, color_of);
+        fold_diffuse_transmission(material, color_of, alpha_of);
     }
 }
 
@@ -153,7 +155,7 @@ pub(crate) fn uniform(image: &Texture) -> Option<[f64; 3]> {
 }
 
 /// Whether a normal map of this colour leaves normals as they are, up to its rounding to 8 bits.
-fn is_flat([x, y, z]: [f64; 3]) -> bool {
+pub(super) fn is_flat([x, y, z]: [f64; 3]) -> bool {
     let tilt = |part: f64| (part - 0.5).abs() <= 0.5 / 255.0 + 1e-9;
     tilt(x) && tilt(y) && z > 0.5
 }

@@ -3,6 +3,7 @@
 mod alpha;
 mod anisotropy;
 mod clearcoat;
+mod diffuse_transmission;
 mod fold;
 mod mesh;
 mod normals;
@@ -63,6 +64,7 @@ fn has_record(desc: &MaterialDesc) -> bool {
         || desc.specular_color != [1.0; 3]
         || desc.clearcoat > 0.0
         || desc.anisotropy > 0.0
+        || desc.diffuse_transmission > 0.0
 }
 
 /// Fills the tables, and [`Material::textures`] of each material.
@@ -114,6 +116,10 @@ fn add_materials(
         };
         let base_color = add(textures.base_color);
         let anisotropy = anisotropy::record(desc, add(textures.anisotropy));
+        let (color, share) = (add(textures.diffuse_transmission_color), add(textures.diffuse_transmission));
+        tables.diffuse_transmissions.push(diffuse_transmission::record(desc, color, share));
+        let coat = add(textures.clearcoat_normal);
+        tables.clearcoat_normals.push(clearcoat::record(desc, coat));
         let textures = MaterialTextures {
             base_color,
             emission: add(textures.emission),
@@ -132,6 +138,12 @@ fn add_materials(
         };
         tables.material_textures.push(textures);
         materials[index as usize].textures = tables.material_textures.len() as u32;
+    }
+    if tables.diffuse_transmissions.iter().all(|entry| entry.factor == 0.0) {
+        tables.diffuse_transmissions = Vec::new();
+    }
+    if tables.clearcoat_normals.iter().all(|entry| entry.is_own == 0) {
+        tables.clearcoat_normals = Vec::new();
     }
     sets
 }

@@ -49,9 +49,13 @@ fn check_material(desc: &MaterialDesc, scene: &SceneBuilder) -> Result<(), Scene
     let fault = |property, value: String, hint| {
         Err(SceneError::Material { material: desc.name.clone(), property, value, hint })
     };
-    let scale = desc.textures.normal_scale;
-    if !(scale as f32).is_finite() {
-        return fault("normal_scale", scale.to_string(), "it must be a finite number in single precision");
+    let textures = &desc.textures;
+    for (name, scale) in
+        [("normal_scale", textures.normal_scale), ("clearcoat_normal_scale", textures.clearcoat_normal_scale)]
+    {
+        if !(scale as f32).is_finite() {
+            return fault(name, scale.to_string(), "it must be a finite number in single precision");
+        }
     }
     for (slot, used) in desc.textures.all() {
         let Some(texture) = scene.textures.get(used.texture.0 as usize) else {

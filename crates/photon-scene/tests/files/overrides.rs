@@ -192,6 +192,12 @@ fn glossy_surfaces_become_diffuse() {
     assert_eq!(paint("[materials.paint]\nkind = \"lambert\"\nclearcoat = 0\n"), diffuse);
     assert_eq!(paint("[materials.paint]\nanisotropy = 0.5\nanisotropy_degrees = 30\n").textures, 1);
     assert_eq!(paint("[materials.paint]\nanisotropy_degrees = 30\n").textures, 0);
+    let paper = paint(
+        "[materials.paint]\nkind = \"lambert\"\ndiffuse_transmission = 0.5\ndiffuse_transmission_color = [1, 0, 0]\n",
+    );
+    assert_eq!((paper.kind, paper.specular, paper.textures), (MaterialKind::Glossy as u32, 0.0, 1));
+    assert!(paper.flags & photon_core::Material::DIFFUSE_TRANSMISSION != 0);
+    assert_eq!(paint("[materials.paint]\nkind = \"lambert\"\ndiffuse_transmission = 0\n"), diffuse);
     let mirror = paint("[materials.paint]\nmetallic = 1\nroughness = 0\n");
     assert_eq!((mirror.kind, mirror.albedo), (MaterialKind::Mirror as u32, [0.5, 0.25, 1.0]));
 }
@@ -254,7 +260,9 @@ fn override_faults() {
     names(&fault("[materials.pane]\nkind = \"thin\"\nanisotropy = 1\n"), &["'pane'", "thin", "no anisotropy"]);
     names(&fault("[materials.wall]\nkind = \"glossy\"\nanisotropy = 2\n"), &["'wall'", "between 0 and 1"]);
     names(&fault("[materials.wall]\nkind = \"glossy\"\nanisotropy_degrees = inf\n"), &["'wall'", "finite"]);
-    for key in ["clearcoat", "clearcoat_roughness"] {
+    let mirror = "[materials.wall]\nkind = \"mirror\"\ndiffuse_transmission = 1\n";
+    names(&fault(mirror), &["'wall'", "mirror", "no diffuse_transmission"]);
+    for key in ["clearcoat", "clearcoat_roughness", "diffuse_transmission", "diffuse_transmission_color"] {
         names(&fault(&format!("[materials.wall]\n{key} = 1.5\n")), &["'wall'", key, "between 0 and 1"]);
     }
     names(&fault("[materials.wall]\nkind = \"glossy\"\ntint = 1\n"), &["'wall'", "glossy", "no tint"]);

@@ -3,6 +3,7 @@
 mod alpha;
 mod anisotropy;
 mod attributes;
+mod diffuse_transmission;
 mod emission;
 mod invalid;
 mod textures;

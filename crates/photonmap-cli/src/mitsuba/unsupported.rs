@@ -1,6 +1,6 @@
 //! What is not written for Mitsuba is refused, so that nothing is lost silently.
 
-use photon_core::MaterialTextures;
+use photon_core::{Material, MaterialTextures};
 use photon_scene::Scene;
 
 use crate::fault::Fault;
@@ -33,6 +33,12 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
             return refused(
                 format!("the anisotropy of material '{name}'"),
                 "write a .glb, which has it, or remove it (anisotropy = 0 in an override file)",
+            );
+        }
+        if material.flags & Material::DIFFUSE_TRANSMISSION != 0 {
+            return refused(
+                format!("the diffuse transmission of material '{name}'"),
+                "write a .glb, which has it, or remove it (diffuse_transmission = 0 in an override file)",
             );
         }
         let uses = [

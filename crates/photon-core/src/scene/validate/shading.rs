@@ -3,7 +3,10 @@
 use super::{Check, each, index, require};
 use crate::error::{Error, Result};
 use crate::scene::SceneView;
-use crate::scene::texture::{Anisotropy, MaterialTextures, ShadingTables, Texture, TextureUse};
+use crate::scene::material::{Material, MaterialKind};
+use crate::scene::texture::{
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, ShadingTables, Texture, TextureUse,
+};
 
 /// Largest number of texels in a row, and of rows: their indices stay exact in `f32`.
 const MAX_TEXELS: u32 = 65_536;
@@ -33,9 +36,54 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
     each("texture use", tables.uses, |used| check_use(used, tables.textures.len(), sets))?;
     each("anisotropy", tables.anisotropies, |anisotropy| check_anisotropy(anisotropy, tables.uses.len()))?;
     each("material_textures entry", tables.material_textures, |material| check_material(material, tables))?;
+    for (what, count) in [
+        ("shading.diffuse_transmissions", tables.diffuse_transmissions.len()),
+        ("shading.clearcoat_normals", tables.clearcoat_normals.len()),
+    ] {
+        let entries = tables.material_textures.len();
+        if count != 0 && count != entries {
+            let value = format!("{count} entries for {entries} of material_textures");
+            return Err(Error::InvalidScene { what, value, hint: "it must be empty, or have one for each" });
+        }
+    }
+    each("clearcoat_normals entry", tables.clearcoat_normals, |entry| check_clearcoat(entry, tables))?;
+    each("diffuse_transmissions entry", tables.diffuse_transmissions, |entry| {
+        check_transmission(entry, tables.uses.len())
+    })?;
     each("material", view.materials, |material| {
         let (textures, count) = (material.textures as usize, tables.material_textures.len());
-        require(textures <= count, || format!("its textures {textures} are out of range, {count} entries exist"))
+        require(textures <= count, || format!("its textures {textures} are out of range, {count} entries exist"))?;
+        let entry = textures.checked_sub(1).and_then(|index| tables.diffuse_transmissions.get(index));
+        let transmits = entry.is_some_and(|entry| entry.factor > 0.0);
+        let is_flagged = material.flags & Material::DIFFUSE_TRANSMISSION != 0;
+        require(transmits == is_flagged && (!transmits || material.kind() == MaterialKind::Glossy), || {
+            "it must be glossy and have Material::DIFFUSE_TRANSMISSION, or its entry of diffuse_transmissions the factor 0"
+                .to_owned()
+        })
+    })
+}
+
+fn check_clearcoat(of: &ClearcoatNormal, tables: &ShadingTables<'_>) -> Check {
+    let (scale, used, uses) = (of.scale, of.texture, tables.uses.len());
+    require(scale.is_finite(), || format!("its scale {scale} must be finite"))?;
+    require(used == MaterialTextures::NONE || (used as usize) < uses, || {
+        format!("its texture {used} is out of range, {uses} uses exist")
+    })?;
+    require(used == MaterialTextures::NONE || !tables.tangents.is_empty(), || {
+        "it has a normal map, but the scene has no tangents".to_owned()
+    })
+}
+
+fn check_transmission(of: &DiffuseTransmission, uses: usize) -> Check {
+    let (factor, color) = (of.factor, of.color);
+    require((0.0..=1.0).contains(&factor), || format!("its factor {factor} must lie between 0 and 1"))?;
+    require(color.iter().all(|part| (0.0..=1.0).contains(part)), || {
+        format!("its color {color:?} must lie between 0 and 1")
+    })?;
+    [of.color_texture, of.factor_texture].into_iter().try_for_each(|used| {
+        require(used == MaterialTextures::NONE || (used as usize) < uses, || {
+            format!("its texture {used} is out of range, {uses} uses exist")
+        })
     })
 }
 

@@ -3,10 +3,11 @@
 use std::f32::consts::TAU;
 
 use super::*;
+use crate::Lobe;
 use crate::random::{SplitMix64, unit_f32};
 use crate::shading::glossy::tests::white_share;
 use crate::shading::glossy::{Coat, Glossy};
-use crate::shading::sampling;
+use crate::shading::{sampling, shading_normal};
 
 fn material(metallic: f32, specular: f32, roughness: f32) -> Material {
     let (kind, ior) = (MaterialKind::Glossy as u32, 1.5);
@@ -15,6 +16,50 @@ fn material(metallic: f32, specular: f32, roughness: f32) -> Material {
 
 fn towards(cosine: f32, turns: f32) -> Vec3 {
     sampling::about(Vec3::Z, 1.0 - cosine, turns)
+}
+
+/// A normal at this angle to +z; 0 for the angle 0.
+fn tilted(angle: f32) -> Vec3 {
+    if angle == 0.0 { Vec3::ZERO } else { Vec3::new(0.8 * angle.sin(), -0.6 * angle.sin(), angle.cos()) }
+}
+
+/// Under a clearcoat with a normal of its own, white metals still gain nothing; white diffuse surfaces gain or lose at most
+/// what the albedos of the clearcoat for both normals differ by.
+#[test]
+fn tilted_coats_gain_little() {
+    for angle in [0.1, 0.5] {
+        for cosine in [1.0_f32, 0.6, 0.2] {
+            let (coat, wo) = (tilted(angle), towards(cosine, 0.3));
+            let layers = Layers::NONE.with_clearcoat(1.0, 0.3).with_coat_normal(coat);
+            let through = |cosine: f32| f64::from(Clearcoat::of(&layers).through(cosine));
+            let differs = through(cosine) - through(wo.dot(coat).max(shading_normal::MIN_COSINE));
+            for (metallic, specular, gain) in [(1.0, 1.0, 0.0), (0.0, 0.0, differs.max(0.0))] {
+                let glossy = Glossy::at(&material(metallic, specular, 0.5), &layers, cosine, wo, false);
+                let (whole, error) = white_share(&glossy, cosine, 20_000);
+                assert!(whole < 1.0 + gain + 4.5 * error + 3e-3, "{angle}, {cosine}, {metallic}: {whole}, {gain}");
+            }
+        }
+    }
+}
+
+/// Light that photons carry from one direction to another is what camera paths see of it (Veach 1997, section 5.3).
+#[test]
+fn photons_and_camera_paths_agree_on_tilted_coats() {
+    let geometric = Vec3::new(0.1, 0.2, 0.97).normalize_or(Vec3::Z);
+    let layers = Layers::NONE.with_clearcoat(0.8, 0.4).with_coat_normal(tilted(0.4));
+    let material = Material { albedo: [0.9, 0.5, 0.2], ..material(0.7, 1.0, 0.6) };
+    for (light, eye) in [((0.9, 0.1), (0.5, 0.6)), ((0.3, 0.85), (0.8, 0.4)), ((0.6, 0.3), (0.6, 0.31))] {
+        let ([light, eye], cosines) = ([light, eye].map(|(cosine, turns)| towards(cosine, turns)), [light.0, eye.0]);
+        let seen = Glossy::at(&material, &layers, cosines[1], eye, false).evaluate(eye, light, Vec3::Z).value;
+        let carried = Glossy::at(&material, &layers, cosines[0], light, true).evaluate(light, eye, Vec3::Z).value;
+        let factor = shading_normal::photon_factor(Lobe::SpecularReflection, -light, eye, geometric, Vec3::Z);
+        let carried = carried * factor * (light.dot(geometric) / eye.dot(geometric));
+        assert!(((seen - carried) / seen).abs().max_element() < 1e-4, "{seen} {carried}");
+        // Not so with the cosines of camera paths.
+        let wrong = Glossy::at(&material, &layers, cosines[0], light, false).evaluate(light, eye, Vec3::Z).value;
+        let wrong = wrong * factor * (light.dot(geometric) / eye.dot(geometric));
+        assert!(((seen - wrong) / seen).abs().max_element() > 1e-3, "{seen} {wrong}");
+    }
 }
 
 /// White diffuse surfaces lose nothing, white metals and all else at most 5.3 %, and nothing gains light.
@@ -65,9 +110,10 @@ fn reflection_and_base_are_reciprocal() {
 fn directions_are_sampled_by_their_density() {
     const ROWS: usize = 8;
     const COLUMNS: usize = 8;
-    for (metallic, roughness, above) in [(1.0, 0.7, 0.45), (0.0, 0.5, 0.9)] {
-        let glossy = Glossy::new(&material(metallic, 1.0, roughness), &Layers::NONE.with_clearcoat(1.0, above), 0.6);
+    for (metallic, roughness, above, tilt) in [(1.0, 0.7, 0.45, 0.0), (0.0, 0.5, 0.9, 0.0), (1.0, 0.7, 0.45, 0.4)] {
         let wo = towards(0.6, 0.2);
+        let layers = Layers::NONE.with_clearcoat(1.0, above).with_coat_normal(tilted(tilt));
+        let glossy = Glossy::at(&material(metallic, 1.0, roughness), &layers, 0.6, wo, false);
         let n = 200_000;
         let mut counts = [0.0_f64; ROWS * COLUMNS];
         let mut numbers = SplitMix64(11);

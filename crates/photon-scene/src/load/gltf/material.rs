@@ -26,6 +26,7 @@ const KNOWN: &[&str] = &[
     specular_glossiness::NAME,
     parameters::CLEARCOAT,
     parameters::ANISOTROPY,
+    parameters::DIFFUSE_TRANSMISSION,
 ];
 
 /// Converts one material; what is lost is reported.
@@ -43,10 +44,11 @@ pub(super) fn describe(
     let mut parameters = parameters::read(root, index, textures, &subject, builder, &mut lines)?;
     let surface = surface(&mut parameters, &subject, &mut lines);
     close_solid(&mut parameters, &surface, &subject, &mut lines);
-    check_clearcoat(material, &parameters, &surface, &subject, &mut lines);
+    check_clearcoat(&parameters, &surface, &subject, &mut lines);
     if parameters.anisotropy[0] > 0.0 && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
         lines.left_out(&subject, "its anisotropy, which glass does not have here");
     }
+    check_transmission(&parameters, &surface, &subject, &mut lines);
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
@@ -58,6 +60,8 @@ pub(super) fn describe(
         clearcoat_roughness: parameters.clearcoat[1],
         anisotropy: parameters.anisotropy[0],
         anisotropy_rotation: parameters.anisotropy[1],
+        diffuse_transmission: parameters.diffuse_transmission,
+        diffuse_transmission_color: parameters.transmission_color,
         textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
@@ -177,22 +181,28 @@ fn close_solid(of: &mut Parameters, surface: &Surface, subject: &str, report: &m
 }
 
 /// Reports what of a clearcoat is not modelled.
-fn check_clearcoat(material: &Material, of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
+fn check_clearcoat(of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
     if of.clearcoat[0] == 0.0 {
         return;
     }
     if matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
         return report.left_out(subject, "its clearcoat, which glass does not have here");
     }
-    let others = material.extensions.as_ref().and_then(|extensions| extensions.others.get(parameters::CLEARCOAT));
-    if others.is_some_and(|clearcoat| clearcoat.get("clearcoatNormalTexture").is_some()) {
-        report.left_out(subject, "the normal map of its clearcoat");
-    }
-    if of.textures.normal.is_some() {
-        report.approximated(subject, "its clearcoat has the normal map of the surface below");
-    }
     if of.emission != [0.0; 3] {
         report.approximated(subject, "its clearcoat does not dim its emission");
+    }
+}
+
+/// Reports what of diffuse transmission is not modelled.
+fn check_transmission(of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
+    if of.diffuse_transmission == 0.0 {
+        return;
+    }
+    if matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
+        return report.left_out(subject, "its diffuse transmission, which glass does not have here");
+    }
+    if of.is_solid {
+        report.approximated(subject, "transmits light diffusely as a sheet: its volume does not scatter or absorb");
     }
 }
 

@@ -39,6 +39,9 @@ pub(super) struct Parameters {
     pub(super) clearcoat: [f64; 2],
     /// Strength and rotation of the anisotropy.
     pub(super) anisotropy: [f64; 2],
+    /// Share of the base that transmits diffusely, and its colour.
+    pub(super) diffuse_transmission: f64,
+    pub(super) transmission_color: [f64; 3],
     /// Whether it bounds a volume rather than being a thin sheet.
     pub(super) is_solid: bool,
     /// Transmittance of `attenuation_distance`.
@@ -148,6 +151,14 @@ pub(super) fn read(
     let is_clear = number("clearcoatFactor") > 0.0;
     let weight = means.image(slot("clearcoatTexture").filter(|_| is_clear), CLEARCOAT_WEIGHT)?;
     let rough = means.image(slot("clearcoatRoughnessTexture").filter(|_| is_clear), CLEARCOAT_ROUGHNESS)?;
+    let coat_map = slot("clearcoatNormalTexture").filter(|_| is_clear);
+    let coat_normal = means.image(coat_map, NORMAL_MAP)?.and_then(|map| map.used);
+    if coat_map.is_some_and(|slot| slot.is_turned) {
+        means
+            .report
+            .note(subject, "the normal map of its clearcoat is turned; tangents of the file are taken to be too");
+    }
+    let coat_scale = clear.and_then(|clear| numbers(clear.get("clearcoatNormalTexture")?, "scale"));
     let uniform = |used: Option<Used>, channel: usize| {
         used.filter(|used| used.used.is_none()).map_or(1.0, |used| used.mean.plain[channel])
     };
@@ -162,7 +173,16 @@ pub(super) fn read(
         means.report.note(subject, "its anisotropy texture is turned; directions are turned with the tangents alone");
     }
     let direction = means.image(slot, DIRECTION)?;
+    let leaf = extensions.others.get(DIFFUSE_TRANSMISSION);
+    let share = leaf.and_then(|leaf| numbers(leaf, "diffuseTransmissionFactor")).map_or(0.0, |[share]| share);
+    let slot = |name: &str| leaf.filter(|_| share > 0.0).and_then(|leaf| Slot::of_json(leaf.get(name)?));
+    let shares = means.image(slot("diffuseTransmissionTexture"), DIFFUSE_SHARE)?;
+    let colors = means.image(slot("diffuseTransmissionColorTexture"), DIFFUSE_COLOR)?;
+    let even_share = shares.filter(|shares| shares.used.is_none()).map_or(1.0, |shares| shares.mean.alpha);
+    let leaf_color = leaf.and_then(|leaf| numbers(leaf, "diffuseTransmissionColorFactor")).unwrap_or([1.0; 3]);
     Ok(Parameters {
+        diffuse_transmission: share * even_share,
+        transmission_color: times(leaf_color, colors.and_then(|colors| colors.color())),
         anisotropy: if strength > 0.0 { [strength, rotation] } else { [0.0; 2] },
         clearcoat: if is_clear { clearcoat } else { [0.0; 2] },
         base: color,
@@ -191,7 +211,11 @@ pub(super) fn read(
             specular_color: tint.and_then(|tint| tint.used),
             clearcoat: weight.and_then(|weight| weight.used),
             clearcoat_roughness: rough.and_then(|rough| rough.used),
+            clearcoat_normal: coat_normal,
+            clearcoat_normal_scale: coat_scale.filter(|_| coat_normal.is_some()).map_or(1.0, |[scale]| scale),
             anisotropy: direction.and_then(|direction| direction.used),
+            diffuse_transmission: shares.and_then(|shares| shares.used),
+            diffuse_transmission_color: colors.and_then(|colors| colors.used),
         },
     })
 }
@@ -201,6 +225,9 @@ pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
 
 /// Extension of materials.
 pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy";
+
+/// Extension of materials.
+pub(super) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
 
 /// UV sets with higher numbers are treated as damage.
 const MAX_UV_SETS: u32 = 64;
@@ -237,6 +264,8 @@ const SPECULAR: Role = Role { name: "specular", bytes: TexelFormat::Srgb8, is_fa
 const SPECULAR_COLOR: Role = Role { name: "specular colour", bytes: TexelFormat::Srgb8, is_factor: true };
 const CLEARCOAT_WEIGHT: Role = Role { name: "clearcoat", bytes: TexelFormat::Linear8, is_factor: true };
 const CLEARCOAT_ROUGHNESS: Role = Role { name: "clearcoat roughness", ..CLEARCOAT_WEIGHT };
+const DIFFUSE_SHARE: Role = Role { name: "diffuse transmission", bytes: TexelFormat::Srgb8, is_factor: true };
+const DIFFUSE_COLOR: Role = Role { name: "diffuse transmission colour", ..DIFFUSE_SHARE };
 const DIRECTION: Role = Role { name: "anisotropy", bytes: TexelFormat::Linear8, is_factor: false };
 const NORMAL_MAP: Role = Role { name: "normal map", bytes: TexelFormat::Linear8, is_factor: false };
 

@@ -2,8 +2,10 @@
 
 use super::Tables;
 use crate::scene::SceneView;
+use crate::scene::material::Material;
 use crate::scene::texture::{
-    Anisotropy, Filter, MaterialTextures, ShadingTables, TexelFormat, Texture, TextureUse, Wrap,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, ShadingTables, TexelFormat, Texture,
+    TextureUse, Wrap,
 };
 
 /// Vertex attributes of two triangles, and a texture that the first material uses.
@@ -14,6 +16,8 @@ struct Shading {
     uvs: Vec<[[f32; 2]; 3]>,
     material_textures: Vec<MaterialTextures>,
     anisotropies: Vec<Anisotropy>,
+    diffuse_transmissions: Vec<DiffuseTransmission>,
+    clearcoat_normals: Vec<ClearcoatNormal>,
     uses: Vec<TextureUse>,
     textures: Vec<Texture>,
 }
@@ -42,6 +46,8 @@ impl Shading {
                 ..MaterialTextures::default()
             }],
             anisotropies: vec![Anisotropy { strength: 1.0, direction: [0.6, -0.8], texture: 0 }],
+            diffuse_transmissions: vec![DiffuseTransmission { color_texture: 0, ..DiffuseTransmission::NONE }],
+            clearcoat_normals: vec![ClearcoatNormal { is_own: 1, texture: 0, ..ClearcoatNormal::NONE }],
             uses: vec![TextureUse { uv_set: 1, ..TextureUse::new(0) }],
             textures: vec![texture],
         }
@@ -54,6 +60,8 @@ impl Shading {
             uvs: &self.uvs,
             material_textures: &self.material_textures,
             anisotropies: &self.anisotropies,
+            diffuse_transmissions: &self.diffuse_transmissions,
+            clearcoat_normals: &self.clearcoat_normals,
             uses: &self.uses,
             textures: &self.textures,
             ..ShadingTables::default()
@@ -69,7 +77,7 @@ type Case = (fn(&mut Shading), &'static str);
 #[test]
 fn invalid_attributes_and_textures_are_named() {
     Shading::new().check().unwrap();
-    let cases: [Case; 19] = [
+    let cases: [Case; 29] = [
         (|s| s.normals.truncate(1), "scene view: shading.normals is 1 entries for 2 triangles"),
         (|s| s.tangents.truncate(1), "scene view: shading.tangents is 1"),
         (|s| s.tangents.clear(), "material_textures entry 0: it has a normal map, but the scene has no tangents"),
@@ -90,6 +98,22 @@ fn invalid_attributes_and_textures_are_named() {
             },
             "material_textures entry 0: it is anisotropic, but the scene has no tangents",
         ),
+        (|s| s.clearcoat_normals.push(ClearcoatNormal::NONE), "scene view: shading.clearcoat_normals is 2"),
+        (|s| s.clearcoat_normals[0].scale = f32::INFINITY, "clearcoat_normals entry 0: its scale inf"),
+        (|s| s.clearcoat_normals[0].texture = 1, "clearcoat_normals entry 0: its texture 1 is out of range"),
+        (
+            |s| {
+                (s.material_textures[0].normal, s.material_textures[0].anisotropy) = (u32::MAX, u32::MAX);
+                s.tangents.clear();
+            },
+            "clearcoat_normals entry 0: it has a normal map, but the scene has no tangents",
+        ),
+        (|s| s.diffuse_transmissions.push(DiffuseTransmission::NONE), "scene view: shading.diffuse_transmissions is 2"),
+        (|s| s.diffuse_transmissions[0].factor = f32::NAN, "diffuse_transmissions entry 0: its factor NaN"),
+        (|s| s.diffuse_transmissions[0].color[1] = 1.5, "diffuse_transmissions entry 0: its color [1.0, 1.5, 1.0]"),
+        (|s| s.diffuse_transmissions[0].factor_texture = 1, "diffuse_transmissions entry 0: its texture 1"),
+        (|s| s.diffuse_transmissions[0].factor = 0.5, "material 0: it must be glossy and have"),
+        (|s| s.tables.materials[0].flags = Material::DIFFUSE_TRANSMISSION, "material 0: it must be glossy and have"),
         (|s| s.uses[0].texture_index = 1, "texture use 0: texture 1 is out of range"),
         (|s| s.uses[0].transform[1][2] = f32::INFINITY, "texture use 0: its transform"),
         (|s| s.textures[0].width = 0, "texture 0: its size 0 × 2"),

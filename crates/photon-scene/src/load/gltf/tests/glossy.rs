@@ -235,8 +235,12 @@ fn clearcoats_are_read() {
     let (material, report) = read(&of(r#""clearcoatRoughnessFactor": 0.25"#));
     assert_eq!([material.clearcoat, material.clearcoat_roughness], [0.0; 2]);
     assert!(report.lines.is_empty(), "{report}");
-    let (_, report) = read(&of(r#""clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0}"#));
-    assert!(says(&report, "it", "the normal map of its clearcoat"), "{report}");
+    let bumpy = r#""clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0, "scale": 0.5}"#;
+    let (builder, report) = textured(&of(bumpy), &[[51, 102, 230, 255], [128, 128, 255, 255]]).load();
+    let found = &builder.materials[0].textures;
+    let image = &builder.textures[found.clearcoat_normal.unwrap().texture.0 as usize].image;
+    assert_eq!((image.format, found.clearcoat_normal_scale, found.normal), (TexelFormat::Linear8, 0.5, None));
+    assert!(is_exact(&report), "{report}");
 
     let textures = r#""clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 1, "clearcoatTexture": {"index": 0}, "clearcoatRoughnessTexture": {"index": 0}"#;
     let texels = [[51, 102, 0, 255], [255, 0, 0, 255]];
@@ -251,6 +255,54 @@ fn clearcoats_are_read() {
     // Glass has none.
     let glass = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_clearcoat": {"clearcoatFactor": 1}}"#;
     assert!(says(&read(glass).1, "it", "its clearcoat, which glass"));
+}
+
+/// Share, colour and textures of diffuse transmission are kept; what is not modelled is reported.
+#[test]
+fn diffuse_transmission_is_read() {
+    let of = |rest: &str| {
+        format!(
+            r#""pbrMetallicRoughness": {{"metallicFactor": 0}}, "extensions": {{"KHR_materials_diffuse_transmission": {{{rest}}}}}"#
+        )
+    };
+    let (material, report) =
+        read(&of(r#""diffuseTransmissionFactor": 0.5, "diffuseTransmissionColorFactor": [0.25, 1, 0]"#));
+    assert_eq!((material.diffuse_transmission, material.diffuse_transmission_color), (0.5, [0.25, 1.0, 0.0]));
+    assert!(report.lines.is_empty(), "{report}");
+    let (material, report) = read(&of(""));
+    assert_eq!((material.diffuse_transmission, material.diffuse_transmission_color), (0.0, [1.0; 3]));
+    assert!(report.lines.is_empty(), "{report}");
+    // The share is alpha, linear; the colour sRGB.
+    let both = r#""diffuseTransmissionFactor": 0.5, "diffuseTransmissionTexture": {"index": 0}, "diffuseTransmissionColorTexture": {"index": 0}"#;
+    let texels = [[255, 0, 9, 102], [0, 0, 0, 255]];
+    let (builder, report) = textured(&of(both), &texels).load();
+    let found = &builder.materials[0].textures;
+    let (share, color) = (found.diffuse_transmission.unwrap(), found.diffuse_transmission_color.unwrap());
+    let image = &builder.textures[color.texture.0 as usize].image;
+    assert_eq!((image.format, &image.texels[..]), (TexelFormat::Srgb8, &texels.map(u32::from_le_bytes)[..]));
+    assert!(share == color && is_exact(&report), "{report}");
+    let (builder, report) = textured(&of(both), &[[255, 0, 255, 102]; 2]).load();
+    let found = &builder.materials[0];
+    assert_eq!((found.diffuse_transmission, found.diffuse_transmission_color), (0.2, [1.0, 0.0, 1.0]));
+    assert!(builder.textures.is_empty() && report.is_exact(), "{report}");
+    // Glass has none, and a volume does not scatter.
+    let with = |more: &str| format!("{}, {more}}}", of(r#""diffuseTransmissionFactor": 1"#).trim_end_matches('}'));
+    let glass = with(r#""a": 0}, "KHR_materials_transmission": {"transmissionFactor": 1}"#);
+    assert!(says(&read(&glass).1, "it", "its diffuse transmission, which glass"), "{}", read(&glass).1);
+    let solid = with(r#""a": 0}, "KHR_materials_volume": {"thicknessFactor": 1}"#);
+    assert!(says(&read(&solid).1, "it", "as a sheet"), "{}", read(&solid).1);
+    for (rest, word) in [
+        (r#""diffuseTransmissionFactor": 1.5"#, "diffuse_transmission"),
+        (r#""diffuseTransmissionFactor": -1"#, "diffuse_transmission"),
+        (
+            r#""diffuseTransmissionFactor": 1, "diffuseTransmissionColorFactor": [0, 2, 0]"#,
+            "diffuse_transmission_color",
+        ),
+    ] {
+        let (builder, _) = super::file::File::new().material(&of(rest)).load();
+        let error = builder.build().map(drop).unwrap_err().to_string();
+        assert!(error.contains("material 'it'") && error.contains(word), "{error}");
+    }
 }
 
 /// Strength, rotation and texture of an anisotropy are kept.

@@ -4,6 +4,7 @@ import io
 import os
 import pickle
 import signal
+import time
 import zipfile
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
@@ -89,6 +90,10 @@ def test_a_killed_worker_changes_nothing(expected):
             process = next(iter(made[0]._processes.values()))
             os.kill(process.pid, signal.SIGKILL)
             killed.append(process.pid)
+            # The blocks that remain may take less time than it takes to notice.
+            deadline = time.monotonic() + 20
+            while not made[0]._broken and time.monotonic() < deadline:
+                time.sleep(0.01)
 
     film = pm.render(**JOB, executor=make, progress=kill, window=2)
     assert len(killed) == 1 and len(made) == 2

@@ -7,7 +7,8 @@ use std::path::Path;
 use crate::{links, shell};
 
 /// Markdown outside of `docs/` whose links are checked too.
-const OTHERS: [&str; 5] = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "tests/README.md", "fuzz/README.md"];
+const OTHERS: [&str; 6] =
+    ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "tests/README.md", "fuzz/README.md", "python/README.md"];
 
 /// A package with its own target folder: see its manifest.
 const RENDER: [&str; 10] = [
@@ -23,8 +24,14 @@ const RENDER: [&str; 10] = [
     "docs",
 ];
 
-/// Checks the pages and renders them into `target/book`.
+/// Renders the pages into `target/book`.
 pub(crate) fn step() -> Result<(), String> {
+    links()?;
+    shell::run(&[&RENDER, ["target/book"].as_slice()].concat(), &[])
+}
+
+/// Checks links, and that the table of contents has all pages.
+pub(crate) fn links() -> Result<(), String> {
     let root = shell::root();
     let mut pages = BTreeMap::new();
     read(&root, "docs", &mut pages)?;
@@ -37,7 +44,7 @@ pub(crate) fn step() -> Result<(), String> {
         return Err(format!("\n  {}", faults.join("\n  ")));
     }
     eprintln!("{} pages, no dead link", pages.len());
-    shell::run(&[&RENDER, ["target/book"].as_slice()].concat(), &[])
+    Ok(())
 }
 
 /// Every Markdown file in a folder, by its path from the root.

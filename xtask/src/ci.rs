@@ -15,10 +15,10 @@ pub(crate) struct Step {
 
 /// In this order: the fastest checks come first; the tests come last, so that the closing line of
 /// their runner ends the output.
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 11] = [
     Step { name: "fmt", what: "formatting", run: fmt },
     Step { name: "tidy", what: "rules for the files themselves", run: tidy::step },
-    Step { name: "deny", what: "licences, versions and sources of the dependencies", run: deny::step },
+    Step { name: "links", what: "links and table of contents of the documentation", run: book::links },
     Step { name: "loaders", what: "backends are built without the parsers of scene files", run: loaders::step },
     Step { name: "msrv", what: "the oldest compiler promised", run: msrv::step },
     Step {
@@ -26,7 +26,6 @@ const STEPS: [Step; 12] = [
         what: "committed SPIR-V is what the GLSL compiles to, and valid",
         run: shaders::fresh,
     },
-    Step { name: "book", what: "links of the documentation; docs/ as a book in target/book", run: book::step },
     Step { name: "clippy", what: "lints, warnings are errors", run: clippy },
     Step { name: "features", what: "the libraries without their optional parts", run: features },
     Step { name: "doc", what: "documentation, warnings are errors", run: doc },
@@ -34,8 +33,10 @@ const STEPS: [Step; 12] = [
     Step { name: "test", what: "all other tests", run: test },
 ];
 
-/// Steps of `full`, which need Python, MPI or a browser, or take long.
-const FULL: [Step; 4] = [
+/// Steps of `full`: they compile other programs, need Python, MPI or a browser, or take long.
+const FULL: [Step; 6] = [
+    Step { name: "deny", what: "licences, versions and sources of the dependencies", run: deny::step },
+    Step { name: "book", what: "docs/ as a book in target/book", run: book::step },
     Step { name: "python", what: "the Python package, in a virtual environment", run: python::step },
     Step { name: "mpi", what: "photonmap-mpi with processes of this host", run: full::mpi },
     Step { name: "page", what: "the page of a running render, in headless Chromium", run: full::page },
@@ -83,7 +84,7 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
 /// The usage text.
 pub(crate) fn usage() -> String {
     let mut text = "usage: cargo xtask STEP...\n\n  ci            all of the following, in this order\n".to_owned();
-    text += "  full          python, mpi, page, powerset\n";
+    text += "  full          deny, book, python, mpi, page, powerset\n";
     for step in STEPS.iter().chain(&FULL).chain(&WRITERS) {
         let _ = writeln!(text, "  {:<13} {}", step.name, step.what);
     }

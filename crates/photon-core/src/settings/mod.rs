@@ -164,7 +164,8 @@ pub enum CausticPhotons {
 /// With the feature `serde` they are read and written, for example as JSON: an object of fields, all of which are
 /// optional. Choices are written as in the program's options (`"index": "morton"`, `"kernel": "cone:1.5"`,
 /// `"caustic_photons": 100000`), estimators also with parameters (`"estimator": {"knn": {"k": 50}}`). An unknown field is
-/// an error; ranges are checked by [`Settings::validate`], that is, by the renderer.
+/// an error; ranges are checked by [`Settings::validate`], that is, by the renderer. `serde_json` reads numbers of more than
+/// 15 digits with an error of one rounding, unless its feature `float_roundtrip` is on.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]

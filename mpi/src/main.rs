@@ -1,16 +1,13 @@
 //! `photonmap-mpi`: `photonmap render` on the ranks of an MPI job.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::{CommandFactory, FromArgMatches};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, Root};
-use photon_core::{Bandwidth, Blocks, Budget, Event, Film, Pipeline, Render, Settings, View};
+use photon_core::{Bandwidth, Blocks, Budget, Film, Pipeline, Render, Settings, View};
 use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
 use photonmap_cli::args::RenderArgs;
@@ -84,15 +81,10 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
     let Some(remaining) = first_of(world, remaining)? else {
         return film.map_or(Ok(()), |film| pictures(args, &film));
     };
-    let stop = Arc::new(AtomicBool::new(false));
-    let heard = Arc::clone(&stop);
-    ctrlc::set_handler(move || heard.store(true, Ordering::SeqCst)).map_err(Fault::failure)?;
-    let mut observer =
-        |_: &Event<'_>| if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let begun = Instant::now();
     let mut file = File { path: root, info, args, begun, written: begun, maker: &maker };
     let identity = (settings.seed, settings.errors);
-    let outcome = render(world, &mut *renderer, &remaining, identity, film, &mut observer, &mut file)?;
+    let outcome = render(world, &mut *renderer, &remaining, identity, film, &mut (), &mut file)?;
     let Outcome { film: Some(film), passes, stopped } = outcome else { return Ok(()) };
     if root.is_some() {
         file.write(&film)?;

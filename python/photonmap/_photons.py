@@ -11,7 +11,8 @@ import numpy as np
 from ._errors import InputError
 from ._kdtree import _vectors
 from ._photonmap import RawMap, trace_photons
-from ._render import _number, _scene, _whole
+from ._materials import number
+from ._render import _scene, _whole
 from ._scene import Scene
 from ._settings import Settings
 
@@ -117,7 +118,7 @@ class PhotonMap:
         nearest = None if k is None else _whole("k", k, 2**32 - 1)
         if nearest == 1:
             raise InputError("k is 1, but at least 2 are needed: the farthest photon only sets the radius")
-        reach = np.inf if radius is None else _number("radius", radius)
+        reach = np.inf if radius is None else number("radius", radius)
         if not reach > 0 or (radius is not None and np.isinf(reach)):
             raise InputError(f"radius is {radius!r}, but must be above 0 and finite")
         found = self._raw.irradiance(flat, toward, nearest, reach, kernel, float(min_normal_cosine))

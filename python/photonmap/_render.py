@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import operator
 import os
 from typing import Any, Callable
@@ -11,6 +10,7 @@ from ._blocks import check_executor, render_blocks
 from ._errors import InputError
 from ._film import Film
 from ._job import Job
+from ._materials import number
 from ._photonmap import builtin_scenes as _builtin_scenes
 from ._photonmap import check_blocks, check_writable, preset_passes
 from ._progress import Progress, Reporter
@@ -100,7 +100,7 @@ def render(
                 passes or DEFAULT_PASSES,
                 grain or 1,
                 path=None if film is None else os.fspath(film),
-                checkpoint=_number("checkpoint", checkpoint),
+                checkpoint=number("checkpoint", checkpoint),
                 executor=executor,
                 window=None if window is None else _whole("window", window, 2**31),
                 retries=operator.index(retries),
@@ -108,8 +108,8 @@ def render(
             )
         else:
             reporter.add(0)
-            error = None if target_error is None else (_number("target_error", target_error), _number("share", share))
-            raw, _ = job.renderer().render(passes, None if time is None else _number("time", time), error, reporter)
+            error = None if target_error is None else (number("target_error", target_error), number("share", share))
+            raw, _ = job.renderer().render(passes, None if time is None else number("time", time), error, reporter)
     finally:
         reporter.close()
     return Film(raw)
@@ -175,14 +175,4 @@ def _whole(name: str, value: Any, most: int) -> int:
         number = 0
     if not 1 <= number <= most:
         raise InputError(f"{name} is {value!r}, but must be a whole number from 1 to {most}")
-    return number
-
-
-def _number(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if math.isnan(number):
-        raise InputError(f"{name} is {value!r}, but must be a number")
     return number

@@ -24,6 +24,7 @@ pub mod equivalence;
 pub mod estimators;
 pub mod extremes;
 pub mod fields;
+pub mod footprint;
 pub mod forecasts;
 pub mod gloss;
 pub mod gloss_behind_glass;
@@ -98,6 +99,7 @@ macro_rules! whole_suite {
                 a6_fixed_radius_mean_and_variance, a7_bias_of_curvature, a8_loss_at_edges, a9_no_bias_on_a_sphere,
                 a12_progressive_variance, a13_threshold_darkens,
             }
+            footprint::{ a15_spots_narrower_than_a_pixel_are_found, a16_radii_are_at_least_half_a_pixel }
             direct::{
                 b1_point_light, b2_flux_through_a_disc, b3_lambertian_disc, b4_rectangle, b5_form_factors,
                 b8_power_of_emitters, b9_area_lights_near_by, b10_no_shadow_ray_outshines_its_area_light,

@@ -11,7 +11,7 @@ use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::settings::{Direct, Indirect, Settings};
 
 /// Whether visible points are estimated from a map directly, and not only at the hits of final-gather rays.
-fn is_shown(settings: &Settings, kind: MapKind) -> bool {
+pub(super) fn is_shown(settings: &Settings, kind: MapKind) -> bool {
     match kind {
         MapKind::Direct => settings.direct == Direct::Photons,
         MapKind::Caustic => settings.caustics,

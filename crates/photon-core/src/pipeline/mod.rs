@@ -83,6 +83,7 @@ mod fit;
 mod irradiance;
 mod photon_format;
 mod photons;
+mod pilot;
 mod slot;
 
 use slot::{MapSlot, State};

@@ -1,12 +1,11 @@
 //! Photons of a pass: emitted, traced, stored.
 
-use super::{PILOT_PASS, PILOT_PATHS, Pipeline};
+use super::Pipeline;
 use crate::backend::observer::{Event, Observer};
 use crate::backend::stages::{Batch, Deposits, Pass};
 use crate::backend::tally::Tally;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::{Error, Result};
-use crate::radius::radii;
 use crate::requirements::map_kind::PerMap;
 
 /// The paths that were emitted.
@@ -32,37 +31,11 @@ impl Sent {
 }
 
 /// Number of paths that fill each map, if some are aimed.
-fn per_map(others: u32, aimed: Option<u32>) -> PerMap<u32> {
+pub(super) fn per_map(others: u32, aimed: Option<u32>) -> PerMap<u32> {
     PerMap::from_fn(|kind| aimed.filter(|_| kind.is_aimed()).unwrap_or(others))
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Traces a pilot pass to derive radii from the density of its photons.
-    pub(super) fn pilot(&mut self) -> Result<()> {
-        let paths = self.settings.photons.min(PILOT_PATHS);
-        let sent = self.emit_and_trace(PILOT_PASS, paths, &mut ())?;
-        let all = self.settings.photons;
-        let wanted_paths = per_map(all, self.aimed_paths(all));
-        let traced_paths = per_map(sent.paths, sent.aimed);
-        for slot in &mut self.maps {
-            let Some(photons) = slot.photons.take() else { continue };
-            self.on.mark(Some(Stage::Build));
-            let built = self.stages.map.builder.build(&mut self.on, photons)?;
-            self.on.mark(Some(Stage::Estimate));
-            let cosine = self.settings.min_normal_cosine;
-            let (wanted, wanted_paths) = (radii::neighbours(slot.kind), wanted_paths[slot.kind]);
-            let traced = traced_paths[slot.kind];
-            let share = f64::from(traced) / f64::from(wanted_paths);
-            let asked = ((f64::from(wanted) * share) as u32).max(8);
-            let typical = self.stages.map.estimator.neighbour_radius(&mut self.on, &built, asked, cosine)?;
-            let radius = radii::from_pilot(typical, asked, traced, wanted, wanted_paths);
-            slot.radius = radii::scaled(radius, self.settings.radius_factor as f32);
-            self.on.mark(None);
-            slot.photons = Some(self.stages.map.builder.reclaim(built));
-        }
-        Ok(())
-    }
-
     /// Fills the photon buffers with the photons of `paths` paths and the corresponding aimed ones. If the
     /// observer stops it, there are fewer paths, but some of each kind.
     pub(super) fn emit_and_trace(&mut self, index: u32, paths: u32, observer: &mut dyn Observer) -> Result<Sent> {

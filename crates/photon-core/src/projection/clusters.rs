@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::requirements::reflects;
 use crate::scene::SceneView;
+use crate::scene::material::Material;
 
 /// A sphere, normalised space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,12 +22,12 @@ const FINEST: usize = 64;
 /// Maximum total number of pieces that large triangles are split into.
 const PIECES: usize = 1 << 20;
 
-/// At most `most` spheres around all specular triangles.
-pub(super) fn of(scene: &SceneView<'_>, most: usize) -> Vec<Sphere> {
+/// At most `most` spheres around all triangles of the materials `among`.
+pub(super) fn of(scene: &SceneView<'_>, among: &dyn Fn(&Material) -> bool, most: usize) -> Vec<Sphere> {
     let specular = || {
         let primitives = scene.primitives.iter().zip(scene.triangles);
         primitives
-            .filter(|(primitive, _)| reflects(&scene.materials[primitive.material as usize], scene))
+            .filter(|(primitive, _)| among(&scene.materials[primitive.material as usize]))
             .map(|(_, triangle)| triangle)
     };
     let count = specular().count();

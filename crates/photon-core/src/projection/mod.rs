@@ -10,8 +10,9 @@ use std::ops::ControlFlow;
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::requirements::Requirements;
+use crate::requirements::{Requirements, reflects};
 use crate::scene::light::Light;
+use crate::scene::material::{Material, MaterialKind};
 use crate::scene::{SceneView, light_cdf, light_probability, pick_light};
 use crate::settings::{CausticPhotons, Settings};
 
@@ -74,7 +75,8 @@ pub enum NoProjection {
     Shared,
     /// No light could reach a specular surface.
     Unlit,
-    /// Too much of the light could: aiming is not worthwhile in addition to the paths that other maps need.
+    /// Too much of the light could, or mostly rough ones: aiming is not worthwhile in addition to the paths that other
+    /// maps need.
     NotWorth,
 }
 
@@ -90,9 +92,24 @@ struct Marking {
 
 impl ProjectionMap {
     /// Aiming is worthwhile in addition to other paths if at most this share of the light could reach a
-    /// specular surface: with a seventh, the aimed paths cost the other layers more than caustics gain
-    /// (docs/studies/requirements.md).
-    pub const WORTH: f64 = 0.05;
+    /// specular surface, and most of that light a smooth one: more photons make derived radii smaller, and the error
+    /// of sharp caustics is mostly bias (docs/studies/choices.md).
+    pub const WORTH: f64 = 0.5;
+
+    /// The same where mirrors and smooth glass are not what most of that light could reach: caustics of rough surfaces are
+    /// smooth, and have no bias that smaller radii would reduce.
+    pub const WORTH_ROUGH: f64 = 0.05;
+
+    /// Density of aimed photons over that of the photons of other paths, unless that takes less than a quarter or more
+    /// than twice the number of these.
+    const DENSITY: f64 = 5.0;
+
+    /// Number of aimed paths beside `photons` others, with `share` of the light in marked cells.
+    fn paths(photons: u32, share: f64) -> u32 {
+        let factor = (Self::DENSITY * share).clamp(0.25, 2.0);
+        // Rounded down; converted to u32, a number that is too large becomes the largest.
+        ((f64::from(photons) * factor) as u32).max(1)
+    }
 
     /// Marks the cells of all lights of `scene`.
     #[must_use]
@@ -113,22 +130,47 @@ impl ProjectionMap {
         let alone = required.maps.iter().all(|(kind, &filled)| kind.is_aimed() || !filled);
         let (most, paths) = match settings.caustic_photons {
             CausticPhotons::Shared => return Err(NoProjection::Shared),
-            CausticPhotons::Auto if alone => (f64::INFINITY, settings.photons),
-            CausticPhotons::Auto => (Self::WORTH, (settings.photons / 4).max(1)),
-            CausticPhotons::Aimed(paths) => (f64::INFINITY, paths),
+            CausticPhotons::Auto if alone => (f64::INFINITY, Some(settings.photons)),
+            CausticPhotons::Auto => (Self::WORTH, None),
+            CausticPhotons::Aimed(paths) => (f64::INFINITY, Some(paths)),
         };
         let Marking { projection, whole, .. } = Self::mark(scene, most);
         match (whole, projection.is_empty()) {
             (false, _) => Err(NoProjection::NotWorth),
             (true, true) => Err(NoProjection::Unlit),
-            (true, false) => Ok((projection, paths)),
+            (true, false) => {
+                let share = projection.share;
+                match paths {
+                    Some(paths) => Ok((projection, paths)),
+                    None if share > Self::WORTH_ROUGH && !Self::is_sharp(scene, share) => Err(NoProjection::NotWorth),
+                    None => Ok((projection, Self::paths(settings.photons, share))),
+                }
+            }
         }
     }
 
     /// Marks cells until it is known whether they hold more than a share of `most` of the light.
     fn mark(scene: &SceneView<'_>, most: f64) -> Marking {
+        Self::mark_among(scene, &|material| reflects(material, scene), most)
+    }
+
+    /// Whether at least half of the light that could reach a specular surface, a share of `share` of all light, could
+    /// reach a smooth one.
+    fn is_sharp(scene: &SceneView<'_>, share: f64) -> bool {
+        let is_smooth = |material: &Material| match material.kind() {
+            MaterialKind::Mirror => true,
+            MaterialKind::Dielectric | MaterialKind::Thin => !material.is_rough_glass(),
+            MaterialKind::Lambert | MaterialKind::Glossy => false,
+        };
+        if scene.materials_in_use().all(|material| is_smooth(material) || !reflects(material, scene)) {
+            return true;
+        }
+        !Self::mark_among(scene, &is_smooth, 0.5 * share).whole
+    }
+
+    fn mark_among(scene: &SceneView<'_>, among: &dyn Fn(&Material) -> bool, most: f64) -> Marking {
         let lights = scene.lights.len().max(1);
-        let clusters = clusters::of(scene, (PAIRS / lights).clamp(1, 4096));
+        let clusters = clusters::of(scene, among, (PAIRS / lights).clamp(1, 4096));
         let bits = (CELLS / lights).max(1).ilog2();
         let power_of = |light: &Light| light.power.iter().map(|&p| f64::from(p)).sum::<f64>();
         let all: f64 = scene.lights.iter().map(power_of).sum();

@@ -82,7 +82,9 @@ fn lights_that_reach_nothing_specular_are_no_targets() {
 fn aiming_is_left_where_it_would_not_pay() {
     let [mut few, mut many] = [Tables::new(), Tables::new()];
     few.lights[0].power = [50.0; 3];
-    many.lights[0].power = [0.0; 3];
+    // Nearly all of the light goes down, where the floor is a mirror now.
+    many.lights[1].power = [50.0; 3];
+    many.materials[0].kind = MaterialKind::Mirror as u32;
     let share = |tables: &Tables| ProjectionMap::of(&tables.view()).share();
     assert!(
         share(&few) < ProjectionMap::WORTH && share(&many) > ProjectionMap::WORTH,
@@ -101,6 +103,20 @@ fn aiming_is_left_where_it_would_not_pay() {
     use CausticPhotons::{Aimed, Auto, Shared};
     let map = Indirect::Map;
     assert_eq!((paths(&few, Auto, map), paths(&many, Auto, map)), (Ok(25), Err(NoProjection::NotWorth)));
+    // Five times as dense as the other photons.
+    let some = Tables::new();
+    assert!(share(&some) > 0.05 && share(&some) < 0.3, "{}", share(&some));
+    assert_eq!(paths(&some, Auto, map), Ok((500.0 * share(&some)) as u32));
+    // Where nearly all of that light meets rough metal instead of the mirror, only if there is little of it; a smooth mirror
+    // beside does not count.
+    for (table, expected) in [(&few, Ok(25)), (&some, Err(NoProjection::NotWorth))] {
+        let mut rough = Tables { positions: table.positions.clone(), starts: table.starts.clone(), ..Tables::new() };
+        rough.lights = table.lights.clone();
+        rough.materials[1] =
+            Material { kind: MaterialKind::Glossy as u32, metallic: 1.0, roughness: 0.3, ..rough.materials[1] };
+        assert_eq!(paths(&rough, Auto, map), expected);
+        assert_eq!(paths(&rough, Aimed(9), map), Ok(9));
+    }
     assert_eq!((paths(&few, Shared, map), paths(&many, Aimed(9), map)), (Err(NoProjection::Shared), Ok(9)));
     // No other map needs photons.
     assert_eq!(paths(&many, Auto, Indirect::None), Ok(100));
@@ -125,7 +141,7 @@ fn marking_ends_as_soon_as_the_answer_is_no() {
     let mut tables = Tables::new();
     tables.materials[0].kind = MaterialKind::Mirror as u32;
     tables.lights = vec![Light { position: [0.0, -0.45, -0.05], power: [1.0; 3], ..tables.lights[3] }];
-    let [all, enough] = [f64::INFINITY, ProjectionMap::WORTH].map(|most| ProjectionMap::mark(&tables.view(), most));
+    let [all, enough] = [f64::INFINITY, 0.05].map(|most| ProjectionMap::mark(&tables.view(), most));
     assert!(all.projection.share() > 0.7 && !enough.whole, "{}", all.projection.share());
     assert!(12 * enough.blocks < all.blocks, "{} of {}", enough.blocks, all.blocks);
 }

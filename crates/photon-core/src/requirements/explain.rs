@@ -268,10 +268,10 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
                 NoProjection::Shared => "the settings fill it with the paths that fill the other maps".to_owned(),
                 NoProjection::Unlit => "no light could shine on mirrors, glass or glossy surfaces".to_owned(),
                 NoProjection::NotWorth => {
-                    let most = 100.0 * ProjectionMap::WORTH;
+                    let [most, rough] = [ProjectionMap::WORTH, ProjectionMap::WORTH_ROUGH].map(|share| 100.0 * share);
                     format!(
-                        "more than {most} % of the light could meet mirrors, glass or glossy surfaces: aiming would gain \
-                         little"
+                        "more than {most} % of the light could meet mirrors, glass or glossy surfaces, or more than {rough} % \
+                         and most of it rough ones: aiming would gain little"
                     )
                 }
             };

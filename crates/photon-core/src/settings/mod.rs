@@ -149,8 +149,10 @@ pub enum RandomKind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum CausticPhotons {
-    /// Aimed, if no other map is filled: as many as [`Settings::photons`]; or if at most a twentieth of the
-    /// light can meet mirrors or glass: a quarter as many. Otherwise [`CausticPhotons::Shared`].
+    /// Aimed, if at most half of the light can meet mirrors, glass or glossy surfaces ([`crate::ProjectionMap::WORTH`]), and
+    /// most of that light smooth ones, or if it is at most a twentieth of the light: 5 times that share of
+    /// [`Settings::photons`], but at least a quarter as many and at most twice as many. If no other map is filled: as many,
+    /// whatever the share. Otherwise [`CausticPhotons::Shared`].
     #[default]
     Auto,
     /// The paths that fill the other maps too.

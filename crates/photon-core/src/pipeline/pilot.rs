@@ -1,0 +1,90 @@
+//! The pilot pass, from which radii are derived.
+
+use super::estimate::is_shown;
+use super::photons::per_map;
+use super::slot::MapSlot;
+use super::{PILOT_PASS, PILOT_PATHS, Pipeline};
+use crate::backend::stages::{EstimateParams, Pass, Search};
+use crate::backend::{Stage, TransportBackend};
+use crate::error::Result;
+use crate::radius::footprint::Footprint;
+use crate::radius::radii;
+use crate::scene::layout::Query;
+use crate::settings::Estimator;
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// Traces a pilot pass to derive radii from the density of its photons, and from the footprints of pixels.
+    pub(super) fn pilot(&mut self) -> Result<()> {
+        let paths = self.settings.photons.min(PILOT_PATHS);
+        let sent = self.emit_and_trace(PILOT_PASS, paths, &mut ())?;
+        let all = self.settings.photons;
+        let wanted_paths = per_map(all, self.aimed_paths(all));
+        let traced_paths = per_map(sent.paths, sent.aimed);
+        let mut seen = None;
+        for index in 0..self.maps.len() {
+            let slot = &mut self.maps[index];
+            let (kind, reflected) = (slot.kind, slot.reflected);
+            let Some(photons) = slot.photons.take() else { continue };
+            self.on.mark(Some(Stage::Build));
+            let built = self.stages.map.builder.build(&mut self.on, photons)?;
+            self.on.mark(Some(Stage::Estimate));
+            let cosine = self.settings.min_normal_cosine;
+            let (wanted, wanted_paths, traced) = (radii::neighbours(kind), wanted_paths[kind], traced_paths[kind]);
+            let share = f64::from(traced) / f64::from(wanted_paths);
+            let asked = ((f64::from(wanted) * share) as u32).max(8);
+            let typical = self.stages.map.estimator.neighbour_radius(&mut self.on, &built, asked, cosine)?;
+            let mut radius = radii::from_pilot(typical, asked, traced, wanted, wanted_paths);
+            // The estimator of Lin and Wang remains that of the paper; reflections show their light in other places.
+            let bounded = matches!(self.settings.estimator, Estimator::Radius { .. })
+                && is_shown(&self.settings, kind)
+                && !reflected
+                && f64::from(radius) < Footprint::new(&self.view).most();
+            if bounded && typical.is_some() {
+                radius = radius.max(self.least_radius(&built, &mut seen)?);
+            }
+            let slot: &mut MapSlot<B> = &mut self.maps[index];
+            slot.radius = radii::scaled(radius, self.settings.radius_factor as f32);
+            self.on.mark(None);
+            slot.photons = Some(self.stages.map.builder.reclaim(built));
+        }
+        Ok(())
+    }
+
+    /// The smallest useful radius of a map: [`Footprint::bound`]. `seen` are the visible points of the pilot pass, once
+    /// they are known.
+    fn least_radius(&mut self, map: &B::PhotonMap, seen: &mut Option<Vec<Query>>) -> Result<f32> {
+        let pass = Pass { seed: self.settings.seed, index: PILOT_PASS, random: self.settings.random };
+        if seen.is_none() {
+            self.on.mark(Some(Stage::Eye));
+            self.stages.eye.trace_eye(
+                &mut self.on,
+                &self.scene,
+                &self.view,
+                pass,
+                &mut self.film,
+                &mut self.queries,
+            )?;
+            let mut queries = Vec::new();
+            self.on.download(&self.queries, &mut queries)?;
+            // What the camera sees of lights belongs to no pass.
+            self.on.abandon_pass(&mut self.film)?;
+            Footprint::new(&self.view).search(&mut queries);
+            *seen = Some(queries);
+        }
+        let (Some(queries), Some(estimates)) = (seen, &mut self.estimates) else { return Ok(0.0) };
+        if queries.is_empty() {
+            return Ok(0.0);
+        }
+        self.on.mark(Some(Stage::Estimate));
+        let gather = EstimateParams {
+            min_normal_cosine: self.settings.min_normal_cosine,
+            max_plane_distance: self.settings.max_plane_distance,
+            ..EstimateParams::new(Search::Radius)
+        };
+        let uploaded = self.on.upload("queries of the pilot pass", queries)?;
+        self.stages.map.estimator.estimate(&mut self.on, map, &uploaded, &gather, estimates)?;
+        let mut found = Vec::new();
+        self.on.download(estimates, &mut found)?;
+        Ok(Footprint::new(&self.view).bound(queries, &found))
+    }
+}

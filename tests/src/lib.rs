@@ -53,6 +53,17 @@ pub mod textures;
 pub mod twin;
 pub mod views;
 
+/// The examples in the README, compiled and run as doctests. Packages of the library contain no file from outside of their
+/// folder, so they stand here.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
+
+/// The examples in the guide, likewise.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/getting-started.md")]
+struct GettingStarted;
+
 /// Generates a `#[test]` of each function for one backend.
 #[macro_export]
 macro_rules! suite {

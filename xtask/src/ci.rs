@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use crate::{book, constants, deny, extremes, full, loaders, msrv, python, requirements, shaders, shell, tidy};
+use crate::{
+    book, constants, deny, extremes, full, loaders, msrv, package, python, requirements, shaders, shell, tidy, wasm,
+};
 
 /// A check that passes or fails.
 #[derive(Clone, Copy, Debug)]
@@ -34,13 +36,15 @@ const STEPS: [Step; 11] = [
 ];
 
 /// Steps of `full`: they compile other programs, need Python, MPI or a browser, or take long.
-const FULL: [Step; 6] = [
+const FULL: [Step; 8] = [
     Step { name: "deny", what: "licences, versions and sources of the dependencies", run: deny::step },
     Step { name: "book", what: "docs/ as a book in target/book", run: book::step },
     Step { name: "python", what: "the Python package, in a virtual environment", run: python::step },
     Step { name: "mpi", what: "photonmap-mpi with processes of this host", run: full::mpi },
     Step { name: "page", what: "the page of a running render, in headless Chromium", run: full::page },
     Step { name: "powerset", what: "every combination of features of the facade", run: full::powerset },
+    Step { name: "wasm", what: "the libraries for WebAssembly, if its target is installed", run: wasm::step },
+    Step { name: "package", what: "the packages for a registry, compiled from their archives", run: package::step },
 ];
 
 /// Steps that write instead of checking.
@@ -84,7 +88,8 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
 /// The usage text.
 pub(crate) fn usage() -> String {
     let mut text = "usage: cargo xtask STEP...\n\n  ci            all of the following, in this order\n".to_owned();
-    text += "  full          deny, book, python, mpi, page, powerset\n";
+    let full: Vec<&str> = FULL.iter().map(|step| step.name).collect();
+    let _ = writeln!(text, "  full          {}", full.join(", "));
     for step in STEPS.iter().chain(&FULL).chain(&WRITERS) {
         let _ = writeln!(text, "  {:<13} {}", step.name, step.what);
     }
@@ -127,7 +132,7 @@ fn clippy() -> Result<(), String> {
 
 fn features() -> Result<(), String> {
     // One call each: cargo unifies the features of packages that it builds together.
-    for package in ["photon-core", "photon-scene", "backend-cpu", "backend-vulkan", "photonmap"] {
+    for package in ["photonmap-core", "photonmap-scene", "photonmap-cpu", "photonmap-vulkan", "photonmap"] {
         let command = ["cargo", "clippy", "--locked", "--no-default-features", "-p", package, "--", "-D", "warnings"];
         shell::run(&command, &[])?;
     }
@@ -162,7 +167,7 @@ fn test() -> Result<(), String> {
     let selection = ["--workspace", "--exclude", "photon-benches", "--exclude", "xtask-shaders", "--locked"];
     let vulkan = vulkan_is_here();
     if shell::present(&["cargo", "nextest", "--version"]) {
-        let without = ["-E", "not (package(backend-vulkan) or binary(vulkan) or binary(equivalence))"];
+        let without = ["-E", "not (package(photonmap-vulkan) or binary(vulkan) or binary(equivalence))"];
         let without: &[&str] = if vulkan { &[] } else { &without };
         return shell::run(&[&["cargo", "nextest", "run"], selection.as_slice(), without].concat(), &[]);
     }
@@ -174,12 +179,12 @@ fn test() -> Result<(), String> {
 /// Whether tests of Vulkan can run. If not, and they are not required, they are skipped: nextest counts
 /// them as skipped, and under `cargo test` each prints a message.
 fn vulkan_is_here() -> bool {
-    let devices = ["cargo", "run", "--quiet", "--locked", "-p", "backend-vulkan", "--example", "devices"];
+    let devices = ["cargo", "run", "--quiet", "--locked", "-p", "photonmap-vulkan", "--example", "devices"];
     let required = std::env::var_os("PHOTON_REQUIRE_VULKAN").is_some_and(|value| value != "0");
     let here = shell::run(&devices, &[]).is_ok();
     if !here && !required {
         eprintln!(
-            "SKIPPED: no Vulkan here, so the tests of backend-vulkan are not run (the lines above say what it lacks)"
+            "SKIPPED: no Vulkan here, so the tests of photonmap-vulkan are not run (the lines above say what it lacks)"
         );
     }
     here || required

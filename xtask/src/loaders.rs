@@ -3,9 +3,9 @@
 use crate::shell;
 
 /// The backends, which take a scene as slices.
-const BACKENDS: [&str; 2] = ["backend-cpu", "backend-vulkan"];
+const BACKENDS: [&str; 2] = ["photonmap-cpu", "photonmap-vulkan"];
 
-/// The dependencies of photon-scene's loaders (feature `files`), and of film files.
+/// The dependencies of photonmap-scene's loaders (feature `files`), and of film files.
 const LOADERS: [&str; 9] = ["exr", "gltf", "image-webp", "ply-rs-bw", "png", "serde", "toml", "zip", "zune-jpeg"];
 
 /// Fails if a backend, built by itself, depends on a loader.
@@ -34,7 +34,7 @@ fn check(backend: &str, tree: &str) -> Result<(), String> {
     match names.find(|name| LOADERS.iter().any(|loader| family(name, loader))) {
         Some(name) => Err(format!(
             "{backend} depends on {name}, which only loaders of scene files need: `cargo tree -p {backend} -e normal \
-             --invert {name}` shows who asks for it; keep the feature `files` of photon-scene off there"
+             --invert {name}` shows who asks for it; keep the feature `files` of photonmap-scene off there"
         )),
         None => Ok(()),
     }
@@ -44,26 +44,26 @@ fn check(backend: &str, tree: &str) -> Result<(), String> {
 mod tests {
     use super::*;
 
-    const CLEAN: &str = "backend-cpu v0.1.0 (/a/b)\nglam v0.34.0\nphoton-scene v0.1.0 (/a/c)\nobvhs v0.4.0\n";
+    const CLEAN: &str = "photonmap-cpu v0.1.0 (/a/b)\nglam v0.34.0\nphotonmap-scene v0.1.0 (/a/c)\nobvhs v0.4.0\n";
 
     #[test]
     fn a_backend_without_loaders_passes() {
-        check("backend-cpu", CLEAN).unwrap();
+        check("photonmap-cpu", CLEAN).unwrap();
         // Only the whole name counts, or its first word.
-        check("backend-cpu", &format!("{CLEAN}pngtools v1.0.0\n")).unwrap();
+        check("photonmap-cpu", &format!("{CLEAN}pngtools v1.0.0\n")).unwrap();
     }
 
     #[test]
     fn every_loader_fails_and_is_named() {
         for name in ["gltf", "gltf-json", "png", "ply-rs-bw", "serde", "serde_core", "toml", "toml_parser"] {
-            let failure = check("backend-cpu", &format!("{CLEAN}{name} v1.0.0\n")).unwrap_err();
-            assert!(failure.contains(&format!("backend-cpu depends on {name},")), "{failure}");
+            let failure = check("photonmap-cpu", &format!("{CLEAN}{name} v1.0.0\n")).unwrap_err();
+            assert!(failure.contains(&format!("photonmap-cpu depends on {name},")), "{failure}");
         }
     }
 
     #[test]
     fn what_is_not_the_tree_of_the_backend_fails() {
-        assert!(check("backend-vulkan", CLEAN).is_err());
-        assert!(check("backend-cpu", "").is_err());
+        assert!(check("photonmap-vulkan", CLEAN).is_err());
+        assert!(check("photonmap-cpu", "").is_err());
     }
 }

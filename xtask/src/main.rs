@@ -11,11 +11,13 @@ mod graph;
 mod links;
 mod loaders;
 mod msrv;
+mod package;
 mod python;
 mod requirements;
 mod shaders;
 mod shell;
 mod tidy;
+mod wasm;
 
 use std::process::ExitCode;
 

@@ -20,12 +20,7 @@ pub use film::CpuFilm;
 pub use map::CpuMap;
 pub use scene::CpuScene;
 
-/// The examples in the README, compiled and run as doctests; not part of the library.
+/// The example in the README, compiled and run as a doctest; not part of the library.
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;
-
-/// The examples in the guide, likewise.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/getting-started.md")]
-struct GettingStarted;

@@ -38,7 +38,9 @@ pub use describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, S
 pub use environment::{Environment, EnvironmentDesc, EnvironmentSource, Sun};
 pub use error::SceneError;
 #[cfg(feature = "files")]
-pub use load::{Image, ImageError, Overrides, load, load_builder, load_gltf, load_image, load_obj, load_ply};
+pub use load::{
+    Image, ImageError, LightUnits, Overrides, load, load_builder, load_gltf, load_image, load_obj, load_ply,
+};
 pub use mesh::VertexAttributes;
 pub use report::{LoadReport, ReportKind, ReportLine};
 #[cfg(feature = "files")]

@@ -1,5 +1,7 @@
 //! Loads scenes: built-in ones by name, others from files.
 
+use std::fs::File;
+use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 
 use photon_scene::{LoadReport, Overrides, Scene, SceneBuilder};
@@ -51,8 +53,23 @@ pub fn builder(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
 
 /// The description of a scene with the overrides applied.
 fn described(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
-    let overrides = args.overrides.as_deref().map(Overrides::read).transpose()?;
+    let starts = args.overrides.as_deref() == Some(Path::new(STARTER));
+    let given = args.overrides.as_deref().filter(|_| !starts).map(Overrides::read).transpose()?;
+    let overrides = match args.light_units {
+        Some(units) => Some(given.unwrap_or_default().with_light_units(units)),
+        None => given,
+    };
+    let path = Path::new(&args.scene);
+    let is_gltf =
+        path.extension().is_some_and(|name| name.eq_ignore_ascii_case("gltf") || name.eq_ignore_ascii_case("glb"));
+    if args.light_units.is_some() && !is_gltf {
+        return Err(Fault::input(format!("--light-units: {} is not a glTF file; leave the option out", args.scene)));
+    }
     match photon_scene::builtin(&args.scene) {
+        Some(_) if starts => Err(Fault::input(format!(
+            "--overrides {STARTER}: {} is a built-in scene; `photonmap export` writes it to a file",
+            args.scene
+        ))),
         Some(mut builder) => {
             let mut report = LoadReport::default();
             if let Some(overrides) = &overrides {
@@ -60,7 +77,7 @@ fn described(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
             }
             Ok((builder, report))
         }
-        None if Path::new(&args.scene).extension().is_none() => {
+        None if path.extension().is_none() => {
             let names: Vec<&str> = photon_scene::builtin_names().iter().map(|(name, _)| *name).collect();
             Err(Fault::input(format!(
                 "{}: no built-in scene has that name (there are {}), and it has no extension that gives the format of \
@@ -69,6 +86,30 @@ fn described(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
                 names.join(", ")
             )))
         }
-        None => Ok(photon_scene::load_builder(Path::new(&args.scene), overrides.as_ref())?),
+        None => {
+            let (builder, report) = photon_scene::load_builder(path, overrides.as_ref())?;
+            if starts {
+                write_starter(&path.with_extension("toml"), &builder)?;
+            }
+            Ok((builder, report))
+        }
     }
+}
+
+/// The argument of `--overrides` for an override file to begin with.
+const STARTER: &str = "auto";
+
+/// Writes an override file to begin with, unless there is a file of that name.
+#[expect(clippy::print_stderr, reason = "names the file, as the closing line names pictures")]
+fn write_starter(path: &Path, scene: &SceneBuilder) -> Result<(), Fault> {
+    let mut file = File::create_new(path).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => Fault::input(format!(
+            "--overrides {STARTER}: {} is there already and is not overwritten; render with `--overrides {0}`, or remove it",
+            path.display()
+        )),
+        _ => Fault::writing(path, error),
+    })?;
+    file.write_all(Overrides::starter(scene).as_bytes()).map_err(|error| Fault::writing(path, error))?;
+    eprintln!("wrote {}: edit it, then render with `--overrides {0}`", path.display());
+    Ok(())
 }

@@ -2,11 +2,11 @@
 //!
 //! | here | crate |
 //! |---|---|
-//! | [`Pipeline`], [`render`], [`Settings`], [`Film`] and all else at the top | `photon-core` |
-//! | [`scene`] | `photon-scene`: scene builder, loaders (feature `files`), built-in scenes |
-//! | `film` (feature `files`) | `photon-film`: films in files |
-//! | `cpu` (feature `cpu`) | `backend-cpu` |
-//! | `vulkan` (feature `vulkan`) | `backend-vulkan` |
+//! | [`Pipeline`], [`render`], [`Settings`], [`Film`] and all else at the top | `photonmap-core` |
+//! | [`scene`] | `photonmap-scene`: scene builder, loaders (feature `files`), built-in scenes |
+//! | `film` (feature `files`) | `photonmap-film`: films in files |
+//! | `cpu` (feature `cpu`) | `photonmap-cpu` |
+//! | `vulkan` (feature `vulkan`) | `photonmap-vulkan` |
 //!
 //! All features are on by default. A renderer with its own scenes and its own device needs fewer: without `files`, no
 //! parser is compiled; without `vulkan`, nothing of Vulkan.
@@ -37,3 +37,8 @@ pub use photon_film as film;
 pub use backend_cpu as cpu;
 #[cfg(feature = "vulkan")]
 pub use backend_vulkan as vulkan;
+
+/// The example in the README, compiled and run as a doctest; not part of the library.
+#[cfg(all(doctest, feature = "cpu"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,6 +1,7 @@
 //! Photon tracing.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+mod kernel;
+mod scheduling;
 
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
@@ -9,8 +10,9 @@ use photon_core::{
     MaterialKind, MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result,
     RoughGlass, Scheduling, Settings, SkipLimit, Tally, Tracer, light_features, octahedral, shading_normal,
 };
-use rayon::prelude::*;
 
+use self::kernel::{AIMED, BATCHED, NESTED, REFLECTED, REFLECTIONS, SHADED, kernel};
+use self::scheduling::{share_dynamically, share_statically};
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
 use crate::stages::photon_scattering::{GlossyLobe, glossy_scattered, rough_weight, russian_roulette, scattered};
@@ -101,36 +103,6 @@ impl Tracer<Cpu> for CpuTracer {
     }
 }
 
-/// Static scheduling, the paper's first method: each thread traces a fixed share of the paths.
-fn share_statically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<TraceOutput> {
-    let quota = rays.len().div_ceil(on.threads()).max(1);
-    on.pool.install(|| rays.par_chunks(quota).with_max_len(1).map(|chunk| walk.trace_all(chunk)).collect())
-}
-
-/// Dynamic scheduling, the paper's second method: threads take blocks from a shared counter until none is left. The
-/// blocks are then put back in order, so that the result does not depend on which thread traced which.
-fn share_dynamically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -> Vec<TraceOutput> {
-    let next = AtomicUsize::new(0);
-    let threads = on.threads();
-    let mut outputs: Vec<(usize, TraceOutput)> = on.pool.install(|| {
-        (0..threads)
-            .into_par_iter()
-            .with_max_len(1)
-            .flat_map_iter(|_| {
-                let next = &next;
-                std::iter::from_fn(move || {
-                    let block = next.fetch_add(1, Ordering::Relaxed);
-                    let start = block * BLOCK;
-                    let end = (start + BLOCK).min(rays.len());
-                    (start < rays.len()).then(|| (block, walk.trace_all(&rays[start..end])))
-                })
-            })
-            .collect()
-    });
-    outputs.sort_unstable_by_key(|(block, _)| *block);
-    outputs.into_iter().map(|(_, output)| output).collect()
-}
-
 type Follow = fn(&Walk<'_>, &PhotonRay, &mut TraceOutput, &mut Paused);
 
 pub(super) struct Walk<'a> {
@@ -175,64 +147,6 @@ impl Walk<'_> {
             (self.follow)(self, ray, &mut output, &mut Paused::default());
         }
         output
-    }
-}
-
-/// Flag beside the bits of the lobes: paths are aimed.
-const AIMED: u32 = 1 << 31;
-/// Flag beside the bits of the lobes: solids are nested or overlap.
-const NESTED: u32 = 1 << 30;
-
-/// Flag beside the bits of the lobes: only photons for the reflection of glossy surfaces are stored.
-const REFLECTED: u32 = 1 << 29;
-/// The kernel for them, with all lobes.
-const REFLECTIONS: u32 = Features::ALL.bits() | AIMED | NESTED | REFLECTED;
-/// Flag beside the bits of the lobes: paths pause before each ray ([`Paused`]).
-const BATCHED: u32 = 1 << 28;
-/// All lobes of reflection and transmission, without textures, shading normals and all that needs them.
-const ALL: u32 = Features::DIFFUSE
-    .union(Features::MIRROR)
-    .union(Features::DIELECTRIC)
-    .union(Features::THIN)
-    .union(Features::ABSORPTION)
-    .bits();
-/// The kernel for surfaces with textures or shading normals, with all lobes.
-const SHADED: u32 = ALL | NESTED | Features::SHADED.bits();
-
-/// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those with
-/// alpha have one kernel each with all lobes.
-fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
-    const D: Features = Features::DIFFUSE;
-    const M: Features = D.union(Features::MIRROR);
-    const GLASS: Features = Features::DIELECTRIC.union(Features::THIN);
-    const ABSORBING: Features = GLASS.union(Features::ABSORPTION);
-    let mirrors = features.intersects(Features::MIRROR);
-    let absorbs = features.intersects(Features::ABSORPTION);
-    let lobes = (features.intersects(GLASS), absorbs, mirrors);
-    if features.contains(Features::ALPHA) {
-        const ALPHA: u32 = SHADED | Features::ALPHA.bits();
-        return if aimed { follow::<{ ALPHA | AIMED }> } else { follow::<ALPHA> };
-    }
-    if features.intersects(Features::SHADED) {
-        return if aimed { follow::<{ SHADED | AIMED }> } else { follow::<SHADED> };
-    }
-    if nested && lobes.0 {
-        return if aimed { follow::<{ ALL | NESTED | AIMED }> } else { follow::<{ ALL | NESTED }> };
-    }
-    if aimed {
-        return match lobes {
-            (false, ..) => follow::<{ M.bits() | AIMED }>,
-            (true, false, _) => follow::<{ M.union(GLASS).bits() | AIMED }>,
-            (true, true, _) => follow::<{ ALL | AIMED }>,
-        };
-    }
-    match lobes {
-        (false, _, false) => follow::<{ D.bits() }>,
-        (false, _, true) => follow::<{ M.bits() }>,
-        (true, false, false) => follow::<{ D.union(GLASS).bits() }>,
-        (true, false, true) => follow::<{ M.union(GLASS).bits() }>,
-        (true, true, false) => follow::<{ D.union(ABSORBING).bits() }>,
-        (true, true, true) => follow::<{ ALL }>,
     }
 }
 

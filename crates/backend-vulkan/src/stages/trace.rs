@@ -6,12 +6,18 @@
 //! Mesa 22) after 65 535 iterations in total, which is why [`TracePlan::surfaces`] and [`TracePlan::quota`] are
 //! bounded.
 
-use bytemuck::{Pod, Zeroable};
+mod push;
+mod scratch;
+
 use photon_core::{
-    Batch, Deposits, Features, MapKind, MediaFeatures, PerMap, Photon, PhotonFormat, PhotonRay, Result, Scheduling,
-    Settings, Tally, Tracer,
+    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Result, Scheduling, Settings, Tally, Tracer,
 };
 
+use self::push::{
+    AdvanceConstants, AdvancePush, Chunk, ReorderConstants, ScatterPush, TallyConstants, TallyPush, TraceConstants,
+    TracePush,
+};
+use self::scratch::{CURSORS, PLACE, ROUNDS, TOTALS, TraceScratch};
 use super::tally::{AIMED_FATES, FATES, tally, words};
 use crate::device::buffer::VulkanBuffer;
 use crate::device::{ComputePipeline, Memory};
@@ -48,125 +54,8 @@ pub(crate) struct VulkanTracer {
     emitted: u64,
 }
 
-/// Scratch buffers for one chunk.
-#[derive(Debug)]
-struct TraceScratch {
-    paths: u64,
-    places: u64,
-    photons: Memory,
-    owners: Memory,
-    stored: Memory,
-    endings: Memory,
-    states: Memory,
-    /// Indices of active paths, double-buffered.
-    waiting: Memory,
-    /// Next free photon slot; a word for each map's number of photons; then two words for each of two rounds.
-    cursors: Memory,
-    chunk: Memory,
-}
-
-/// Byte offsets within `TraceScratch::cursors`.
-const PLACE: u64 = 0;
-const TOTALS: u64 = 4;
-const ROUNDS: u64 = (TOTALS + 4 * MAPS as u64).next_multiple_of(8);
-const CURSORS: u64 = ROUNDS + 16;
-
-/// Maps that photons are stored in.
-const MAPS: usize = MapKind::COUNT;
-/// Bytes of `State` of trace.comp.
-const STATE: u64 = (4 * (13 + MAPS as u64)).next_multiple_of(16);
-
 /// The buffer of each map that is required.
 type Targets<'a> = PerMap<Option<&'a VulkanBuffer<Photon>>>;
-
-/// `Chunk` of trace.comp.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Chunk {
-    stored: u64,
-    endings: u64,
-    states: u64,
-    seed: [u32; 2],
-    pass: u32,
-    first: u32,
-    count: u32,
-    pad: u32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct TracePush {
-    chunk: u64,
-    scene: u64,
-    rays: u64,
-    photons: u64,
-    owners: u64,
-    place: u64,
-    now: u64,
-    then: u64,
-    waiting: u64,
-    left: u64,
-    quota: u32,
-    surfaces: u32,
-    begins: u32,
-    places: u32,
-    max_bounces: u32,
-    pad: u32,
-}
-
-pushed!(
-    trace_push_layout: TracePush => STAGES_TRACE,
-    chunk scene rays photons owners place now then waiting left quota surfaces begins places max_bounces pad
-);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct TallyPush {
-    rays: u64,
-    endings: u64,
-    stored: u64,
-    sums: u64,
-    first: u32,
-    count: u32,
-}
-
-pushed!(tally_push_layout: TallyPush => STAGES_TALLY, rays endings stored sums first count);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct ScatterPush {
-    photons: u64,
-    owners: u64,
-    offsets: u64,
-    cursors: u64,
-    to: [u64; MAPS],
-    fills: [u64; MAPS],
-    count: u32,
-    places: u32,
-}
-
-pushed!(scatter_push_layout: ScatterPush => STAGES_TRACE_REORDER, photons owners offsets cursors to fills count places);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct AdvancePush {
-    totals: u64,
-    needed: [u64; MAPS],
-}
-
-pushed!(advance_push_layout: AdvancePush => STAGES_TRACE_ADVANCE, totals needed);
-
-specialized!(
-    trace_constants: TraceConstants => STAGES_TRACE,
-    0 features: Features, 2 random: u32, 3 wanted: u32, 4 dynamic: bool, 5 busy: u32, 6 aimed: bool,
-    7 media: MediaFeatures, 8 reflections: bool, 10 shared_groups: u32
-);
-
-specialized!(tally_constants: TallyConstants => STAGES_TALLY, 3 wanted: u32, 4 fates: u32);
-
-specialized!(reorder_constants: ReorderConstants => STAGES_TRACE_REORDER, 2 format: u32);
-
-specialized!(advance_constants: AdvanceConstants => STAGES_TRACE_ADVANCE, 3 wanted: u32);
 
 impl VulkanTracer {
     pub(crate) fn new(on: &mut Vulkan, settings: &Settings) -> Result<Self> {
@@ -199,36 +88,6 @@ impl VulkanTracer {
             sums,
             emitted: 0,
         })
-    }
-
-    /// Allocates scratch buffers for chunks of `paths` paths and `places` photons.
-    fn scratch(&mut self, on: &mut Vulkan, paths: u64, places: u64) -> Result<()> {
-        if self.scratch.as_ref().is_some_and(|scratch| scratch.paths >= paths && scratch.places >= places) {
-            return Ok(());
-        }
-        self.scratch = None;
-        let long = self.max_bounces > on.trace_plan.surfaces;
-        let scratch = TraceScratch {
-            paths,
-            places,
-            photons: on.memory("photons in no order", places * size_of::<Photon>() as u64)?,
-            owners: on.memory("owners of photons", places * 8)?,
-            stored: on.memory("photons per path", paths * MAPS as u64 * 4)?,
-            endings: on.memory("ends of paths", paths * 16)?,
-            states: on.memory("paths under way", if long { paths * STATE } else { 0 })?,
-            waiting: on.memory("paths under way", if long { paths * 8 } else { 0 })?,
-            cursors: on.memory("cursors", CURSORS)?,
-            chunk: on.memory("stretch", size_of::<Chunk>() as u64)?,
-        };
-        let label = match (self.reflections, self.fates == AIMED_FATES) {
-            (true, _) => "tracing reflected photons",
-            (false, true) => "tracing aimed photons",
-            (false, false) => "tracing",
-        };
-        let path = 4 * MAPS as u64 + 16 + if long { STATE + 8 } else { 0 };
-        on.note_memory(label, places * 40 + paths * path);
-        self.scratch = Some(scratch);
-        Ok(())
     }
 }
 

@@ -12,7 +12,7 @@
 //! | `ior` | refractive index; default 1.5 |
 //! | `volume` | absorption `−ln(colour) / distance`, per length of the scene |
 //! | `emissiveFactor` × `emissive_strength` | radiance, W/(m²·sr); from both sides if `doubleSided` |
-//! | `lights_punctual` | candela are W/sr, lux are W/m²: no factor of 683 |
+//! | `lights_punctual` | candela are W/sr, lux are W/m²: no factor of 683, unless by [`crate::LightUnits`] |
 //! | textures of base colour, metal and roughness, the specular factor and colour, emission and normals | with their UV sets, transforms, wrap modes and magnification filters |
 //! | other textures | their mean |
 //! | normals, tangents, colours, UV sets | those in use; normals by the inverse transpose of the node's matrix |
@@ -57,6 +57,7 @@ use self::fault::{Fault, label};
 use self::meshes::{Census, Meshes};
 use self::texture::Textures;
 pub(in crate::load) use self::uri::leaves_folder;
+use super::light_units::LIGHTS;
 use super::read;
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;
@@ -125,6 +126,14 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
         }
     }
     meshes.census.report(&mut report);
+    // "Khronos glTF Blender I/O v4.2.57"; its lighting mode is not in the file.
+    if !builder.lights.is_empty() && root.asset.generator.as_deref().is_some_and(|by| by.contains("Blender")) {
+        report.note(
+            LIGHTS,
+            "are read as W/sr and W/m²; Blender writes cd and lux, which are 683 times as much, unless its Lighting Mode \
+             is Unitless: give light units, standard or unitless",
+        );
+    }
     report_rest(&root, &mut report);
     Ok((builder, report))
 }

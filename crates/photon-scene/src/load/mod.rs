@@ -2,12 +2,14 @@
 
 mod gltf;
 mod image;
+mod light_units;
 mod mtl;
 mod obj;
 mod overrides;
 mod ply;
 mod polygon;
 mod schema;
+mod starter;
 
 use crate::builder::SceneBuilder;
 use crate::describe::MaterialDesc;
@@ -18,6 +20,7 @@ use std::path::Path;
 
 pub use self::gltf::load_gltf;
 pub use self::image::{Image, ImageError, load_image};
+pub use self::light_units::LightUnits;
 pub use self::obj::load_obj;
 pub use self::overrides::Overrides;
 pub use self::ply::load_ply;

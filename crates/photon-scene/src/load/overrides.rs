@@ -1,12 +1,14 @@
 //! Override files: additions and changes to a scene file.
 
+mod add;
 mod frame;
 
+use self::add::add_light;
 use self::frame::Frame;
-use super::schema::{Camera, Environment, File, Kind, Light, Material, Quad};
-use crate::builder::{MaterialId, SceneBuilder};
-use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
-use crate::environment::EnvironmentDesc;
+use super::light_units::LightUnits;
+use super::schema::{File, Kind, Material};
+use crate::builder::SceneBuilder;
+use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::report::LoadReport;
 use std::path::{Path, PathBuf};
@@ -17,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// emission that of the emission, a given alpha that of the alpha.
 ///
 /// The format is described in the project's `docs/scene-files.md`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Overrides {
     /// Path for messages.
     path: PathBuf,
@@ -56,8 +58,15 @@ impl Overrides {
         }
     }
 
-    /// Modifies a scene: changes materials first, then adds quadrilaterals, lights and cameras, and sets the environment.
-    /// The new cameras are inserted before existing ones, so that the first of them is the default.
+    /// The overrides with these units of the lights of the scene file, in place of those of the override file.
+    #[must_use]
+    pub fn with_light_units(mut self, units: LightUnits) -> Self {
+        self.file.light_units = Some(units);
+        self
+    }
+
+    /// Modifies a scene: converts the units of its lights, changes materials, then adds quadrilaterals, lights and cameras,
+    /// and sets the environment. The new cameras are inserted before existing ones, so that the first of them is the default.
     ///
     /// Removes report lines about materials whose surface is now given by the override file.
     ///
@@ -66,6 +75,9 @@ impl Overrides {
     /// with two projections, an environment that cannot be read or is invalid; the error has the name.
     pub fn apply(&self, scene: &mut SceneBuilder, report: &mut LoadReport) -> Result<(), SceneError> {
         let frame = Frame::of(scene);
+        if let Some(units) = self.file.light_units {
+            units.convert(scene, report);
+        }
         for (name, material) in &self.file.materials {
             self.material(name, material, scene)?;
             if material.kind.is_some() || material.albedo.is_some() {
@@ -265,66 +277,6 @@ impl Overrides {
         desc.emits_both_sides = with.emits_both_sides.unwrap_or(desc.emits_both_sides);
         Ok(())
     }
-
-    fn quad(&self, index: usize, quad: &Quad, frame: Frame, scene: &mut SceneBuilder) -> Result<(), SceneError> {
-        let name = quad.name.clone().unwrap_or_else(|| format!("override quad {index}"));
-        let Some(material) = scene.materials.iter().position(|material| material.name == quad.material) else {
-            let what = format!("quad '{name}' uses material '{}', which does not exist", quad.material);
-            return Err(self.unknown(&what, scene));
-        };
-        let corners = frame.corners(quad.relative, quad.corner, quad.edges);
-        scene.quad(name, corners, MaterialId(material as u32));
-        Ok(())
-    }
-
-    fn environment(&self, with: &Environment, report: &mut LoadReport) -> Result<EnvironmentDesc, SceneError> {
-        let desc = match (&with.file, with.radiance, with.sky) {
-            (Some(file), None, None) => {
-                let folder = self.path.parent().unwrap_or(Path::new(""));
-                EnvironmentDesc::read(&folder.join(file), report)?
-            }
-            (None, Some(radiance), None) => EnvironmentDesc::constant(radiance.rgb()),
-            (None, None, Some(sky)) => EnvironmentDesc::sky(sky.elevation, sky.turbidity),
-            (None, None, None) => {
-                return Err(self.fault("[environment] is empty".to_owned(), "give it file, radiance or sky"));
-            }
-            _ => {
-                let what = "[environment] has more than one of file, radiance and sky".to_owned();
-                return Err(self.fault(what, "give one of them"));
-            }
-        };
-        Ok(desc.rotated(with.rotate_degrees).scaled(with.scale))
-    }
-
-    fn camera(&self, camera: &Camera, frame: Frame) -> Result<CameraDesc, SceneError> {
-        let projection = match (camera.fov_degrees, camera.half_height) {
-            (Some(degrees), None) => Projection::Perspective { vertical_fov: degrees.to_radians() },
-            (None, Some(half_height)) => {
-                let size = if camera.relative { frame.size } else { 1.0 };
-                Projection::Orthographic { half_height: half_height * size }
-            }
-            (given, _) => {
-                let count = if given.is_some() { "both" } else { "neither" };
-                let what = format!("camera '{}' has {count} of the keys fov_degrees and half_height", camera.name);
-                return Err(self.fault(what, "give one: fov_degrees for perspective, half_height for orthographic"));
-            }
-        };
-        let unit = if camera.relative { frame.size } else { 1.0 };
-        let lens = match (camera.aperture, camera.focus) {
-            (None, None) => None,
-            (Some(diameter), Some(distance)) => {
-                Some(ThinLens { diameter: diameter * unit, focus_distance: distance * unit })
-            }
-            (aperture, _) => {
-                let (has, lacks) = if aperture.is_some() { ("aperture", "focus") } else { ("focus", "aperture") };
-                let what = format!("camera '{}' has the key {has}, but not {lacks}", camera.name);
-                return Err(self.fault(what, "give both, or none for a camera without a lens"));
-            }
-        };
-        let from = frame.place(camera.relative, camera.from);
-        let to = frame.place(camera.relative, camera.to);
-        Ok(CameraDesc { projection, lens, ..CameraDesc::look_at(from, to, camera.up, 1.0) })
-    }
 }
 
 /// The colour that a texture multiplies.
@@ -344,35 +296,5 @@ fn kind_of(surface: &Surface) -> Kind {
         Surface::Dielectric { .. } => Kind::Glass,
         Surface::Thin { .. } => Kind::Thin,
         Surface::Glossy { .. } => Kind::Glossy,
-    }
-}
-
-fn add_light(index: usize, light: &Light, frame: Frame, scene: &mut SceneBuilder) {
-    let called = |name: &Option<String>| name.clone().unwrap_or_else(|| format!("override light {index}"));
-    match light {
-        Light::Point { name, relative, position, intensity } => {
-            let position = frame.place(*relative, *position);
-            scene.light(called(name), LightDesc::Point { position, intensity: intensity.rgb() });
-        }
-        Light::Spot { name, relative, position, direction, intensity, inner_degrees, outer_degrees } => {
-            let light = LightDesc::Spot {
-                position: frame.place(*relative, *position),
-                direction: *direction,
-                intensity: intensity.rgb(),
-                inner_angle: inner_degrees.to_radians(),
-                outer_angle: outer_degrees.to_radians(),
-            };
-            scene.light(called(name), light);
-        }
-        Light::Directional { name, direction, irradiance } => {
-            scene.light(called(name), LightDesc::Directional { direction: *direction, irradiance: irradiance.rgb() });
-        }
-        Light::Quad { name, relative, corner, edges, radiance, emits_both_sides } => {
-            let name = called(name);
-            let mut area_light = MaterialDesc::emissive(&name, [0.0; 3], radiance.rgb());
-            area_light.emits_both_sides = *emits_both_sides;
-            let area_light = scene.material(area_light);
-            scene.quad(name, frame.corners(*relative, *corner, *edges), area_light);
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! Schema of override files. Unknown keys are errors, so that misspelt ones are found.
 
+use super::light_units::LightUnits;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,6 +9,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct File {
+    pub(super) light_units: Option<LightUnits>,
     pub(super) materials: BTreeMap<String, Material>,
     pub(super) lights: Vec<Light>,
     pub(super) quads: Vec<Quad>,

@@ -9,10 +9,10 @@ use photon_core::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Preset, RandomKind, Scheduling,
     View,
 };
-use photon_scene::{Scene, SceneError, ThinLens};
+use photon_scene::{LightUnits, Scene, SceneError, ThinLens};
 
 use super::environment::EnvironmentArgs;
-use super::values::{PassRange, caustic_photons, choice, count, passes, size, total};
+use super::values::{PassRange, caustic_photons, choice, count, light_units, passes, size, total};
 use crate::backend::BackendName;
 use crate::exposure::Exposure;
 use crate::tonemap::ToneMap;
@@ -24,9 +24,16 @@ pub struct SceneArgs {
     /// A .gltf, .glb, .obj or .ply file, or the name of a built-in scene.
     #[arg(default_value = "cornell-glass")]
     pub scene: String,
-    /// File with lights, materials and cameras to add or change (see docs/scene-files.md).
-    #[arg(long, value_name = "FILE.toml")]
+    /// File with lights, materials and cameras to add or change (see docs/scene-files.md), or `auto`.
+    ///
+    /// `auto` writes one to begin with beside the scene file, named as it but with the extension .toml: all materials and
+    /// cameras with their values, commented out. A file of that name is not overwritten, but an error.
+    #[arg(long, value_name = "FILE.toml|auto")]
     pub overrides: Option<PathBuf>,
+    /// Units of the lights of a glTF file, other than surfaces: `standard` for cd and lux, as Blender exports by default
+    /// (they are divided by 683 lm/W), or `unitless` for W/sr and W/m² [default: that of the override file, else unitless].
+    #[arg(long, value_name = "UNITS", value_parser = light_units(), hide_short_help = true)]
+    pub light_units: Option<LightUnits>,
     /// Light from infinitely far away.
     #[command(flatten)]
     pub environment: EnvironmentArgs,

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use photon_core::CausticPhotons;
+use photon_scene::LightUnits;
 
 /// Parser of the names of an option type of the library.
 pub(super) fn choice<T>(names: impl IntoIterator<Item = &'static str>) -> impl TypedValueParser<Value = T>
@@ -14,6 +15,12 @@ where
     T::Err: Into<Box<dyn Error + Send + Sync>>,
 {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
+}
+
+/// Parser of the names of light units.
+pub(super) fn light_units() -> impl TypedValueParser<Value = LightUnits> {
+    let named = |name: String| LightUnits::ALL.into_iter().find(|units| units.name() == name).unwrap_or_default();
+    PossibleValuesParser::new(LightUnits::ALL.map(LightUnits::name)).map(named)
 }
 
 /// A range of passes.

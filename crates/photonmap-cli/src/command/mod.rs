@@ -13,6 +13,7 @@ pub mod picture;
 pub mod render;
 mod render_blocks;
 mod render_film;
+mod render_passes;
 pub mod scenes;
 
 use std::process::ExitCode;

@@ -1,27 +1,21 @@
 //! `photonmap render`
 #![expect(clippy::print_stderr, reason = "warnings and the closing line go to standard error")]
 
-use std::cell::RefCell;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use photon_core::{
-    Budget, Event, Film, LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View, render,
-};
+use photon_core::{Film, LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
 use photon_scene::Scene;
 
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen};
 use crate::command::picture::{self, Look};
-use crate::command::{render_blocks, render_film};
+use crate::command::{render_blocks, render_film, render_passes};
 use crate::fault::Fault;
-use crate::forecast_text::{error_line, forecast_lines};
-use crate::progress::{Limit, Progress};
 use crate::report::{self, Details};
-use crate::watch::{Watch, Watching};
+use crate::watch::Watch;
 use crate::{atomic_write, load, memory, stdout};
 
 /// Renders the scene and writes the files.
@@ -61,7 +55,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         }
         None => {
             let renderer = &mut *renderers[0];
-            (passes(args, settings.photons, renderer, begun, (&mut watch, &stop))?, renderer.film()?, None)
+            (render_passes::run(args, settings.photons, renderer, begun, (&mut watch, &stop))?, renderer.film()?, None)
         }
     };
     watch.finish(&film);
@@ -227,68 +221,6 @@ fn pipeline<B: TransportBackend>(
     settings: &Settings,
 ) -> Result<Box<dyn Render>, Fault> {
     Ok(Box::new(Pipeline::new(on, &scene.view(), view, settings.clone())?))
-}
-
-fn passes(
-    args: &RenderArgs,
-    photons: u32,
-    renderer: &mut dyn Render,
-    started: Instant,
-    (watch, stop): (&mut Watch, &AtomicBool),
-) -> Result<Outcome, Fault> {
-    // The requested time is that of the whole program.
-    let limit = args.settings.budget.time.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX));
-    let time = limit.map(|time| time.saturating_sub(started.elapsed() + writing(args)));
-    let mut plan = args.settings.plan(time);
-    // The same total number of photons, if the memory limit makes passes smaller.
-    let each = renderer.facts().photons;
-    if each < photons {
-        eprintln!("memory: {each} paths a pass fit the limit");
-        let more = |passes: u32| passes.saturating_mul(photons.div_ceil(each)).min(u32::MAX - 1);
-        // A range is what it says.
-        if let (Budget::Passes(passes), 0) = (&mut plan.until, plan.first) {
-            *passes = more(*passes);
-        }
-        plan.most_passes = plan.most_passes.map(more);
-    }
-    let progress = RefCell::new(Progress::new(match (plan.until, time) {
-        (Budget::Error { .. }, Some(time)) => Limit::Time(time),
-        (Budget::Time(time), _) if plan.most_passes.is_none() => Limit::Time(time),
-        (Budget::Passes(passes), _) => Limit::Passes(passes),
-        (Budget::Photons(all), _) => {
-            Limit::Passes(u32::try_from(all.div_ceil(u64::from(each.max(1)))).unwrap_or(u32::MAX))
-        }
-        _ => plan.most_passes.map_or(Limit::Open, Limit::Passes),
-    }));
-    let mut forecast_shown = false;
-    let inner = |event: &Event<'_>| {
-        match event {
-            Event::PassDone(pass) => progress.borrow_mut().passes(pass.index + 1 - plan.first),
-            Event::Forecast(forecast) if !std::mem::replace(&mut forecast_shown, true) => {
-                progress.borrow().say(&forecast_lines(forecast, photons));
-            }
-            Event::Warning(text) => progress.borrow().say(&format!("warning: {text}")),
-            _ => {}
-        }
-        if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    let mut say = |text: &str| progress.borrow().say(text);
-    let outcome = render(renderer, plan, &mut Watching { watch, inner, say: &mut say });
-    progress.into_inner().finish();
-    let outcome = outcome?;
-    if let Some(reached) = &outcome.reached {
-        eprintln!("{}", error_line("result", reached));
-    }
-    Ok(outcome)
-}
-
-/// Estimated time to write the pictures: a tenth of a microsecond per pixel for a PNG, and the
-/// compression of all layers for an EXR.
-fn writing(args: &RenderArgs) -> Duration {
-    let (width, height) = args.settings.picture.size;
-    let pixels = f64::from(width) * f64::from(height);
-    let exr = args.files.output.iter().any(|path| picture::is_exr(path));
-    Duration::from_secs_f64(pixels * if exr { 1.5e-6 } else { 1e-7 })
 }
 
 fn save(

@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "test code")]
 
 mod backends;
+mod blender;
 mod commands;
 mod compare;
 mod environment;

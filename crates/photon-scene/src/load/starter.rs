@@ -1,0 +1,287 @@
+//! The text of an override file to begin with: it names everything that can be changed, and changes nothing.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use super::overrides::Overrides;
+use crate::builder::SceneBuilder;
+use crate::describe::{AlphaMode, CameraDesc, MaterialDesc, Projection, Surface};
+
+/// Before the materials.
+const HEAD: &str = "\
+# Overrides. Nothing in this file changes the scene until the # in front of a line is removed.
+# docs/scene-files.md lists all keys.
+
+# For glTF files exported by Blender with the lighting mode Standard, its default:
+# light_units = \"standard\"
+";
+
+/// After the materials. Lengths are relative to the scene, which may be given in metres or in millimetres.
+const TAIL: &str = "
+# A square above the scene that shines downwards:
+# [[lights]]
+# type = \"quad\"
+# relative = true
+# corner = [-0.25, 1.0, -0.25]
+# edges = [[0.5, 0.0, 0.0], [0.0, 0.0, 0.5]]
+# radiance = 10.0
+
+# A clear sky:
+# [environment]
+# sky = { elevation = 30.0, turbidity = 3.0 }
+";
+
+impl Overrides {
+    /// The text of an override file with the materials and cameras of a scene and their values, and examples of lights, all
+    /// commented out: applied as it is, it changes nothing.
+    #[must_use]
+    pub fn starter(scene: &SceneBuilder) -> String {
+        let mut text = HEAD.to_owned();
+        let mut found: BTreeMap<&str, (&MaterialDesc, usize)> = BTreeMap::new();
+        for material in &scene.materials {
+            found.entry(&material.name).or_insert((material, 0)).1 += 1;
+        }
+        for (name, (material, count)) in found {
+            text += &format!("\n[materials.{}]\n", quoted(name));
+            if count > 1 {
+                text += &format!("# {count} materials have this name; the values are those of the first.\n");
+            }
+            for (key, value, texture) in entries(material) {
+                let replaces = if texture { "  # in place of its texture" } else { "" };
+                text += &format!("# {key} = {value}{replaces}\n");
+            }
+        }
+        text += TAIL;
+        for (name, camera) in &scene.cameras {
+            text += &camera_text(name, camera);
+        }
+        text
+    }
+}
+
+/// The keys of a material, their values, and whether the key would replace a texture.
+fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
+    let textures = &desc.textures;
+    let (colored, rough) = (textures.base_color.is_some(), textures.metallic_roughness.is_some());
+    let kind = |name: &str| ("kind", format!("\"{name}\""), false);
+    let mut list = match desc.surface {
+        Surface::Lambert { albedo } => vec![kind("lambert"), ("albedo", color(albedo), colored)],
+        Surface::Mirror { reflectance } => vec![kind("mirror"), ("albedo", color(reflectance), colored)],
+        Surface::Dielectric { ior, absorption, tint, roughness } => vec![
+            kind("glass"),
+            ("ior", number(ior), false),
+            ("tint", color(tint), colored),
+            ("absorption", color(absorption), false),
+            ("roughness", number(roughness), rough),
+            ("priority", desc.priority.to_string(), false),
+        ],
+        Surface::Thin { ior, tint, roughness } => vec![
+            kind("thin"),
+            ("ior", number(ior), false),
+            ("tint", color(tint), colored),
+            ("roughness", number(roughness), rough),
+        ],
+        Surface::Glossy { base_color, metallic, roughness, specular, ior } => vec![
+            kind("glossy"),
+            ("albedo", color(base_color), colored),
+            ("metallic", number(metallic), rough),
+            ("roughness", number(roughness), rough),
+            ("specular", number(specular), textures.specular.is_some()),
+            ("ior", number(ior), false),
+        ],
+    };
+    if desc.specular_color != [1.0; 3] || textures.specular_color.is_some() {
+        list.push(("specular_color", color(desc.specular_color), textures.specular_color.is_some()));
+    }
+    if desc.clearcoat != 0.0 {
+        let replaces = textures.clearcoat_roughness.is_some();
+        list.push(("clearcoat", number(desc.clearcoat), textures.clearcoat.is_some()));
+        list.push(("clearcoat_roughness", number(desc.clearcoat_roughness), replaces));
+    }
+    if desc.anisotropy != 0.0 {
+        list.push(("anisotropy", number(desc.anisotropy), textures.anisotropy.is_some()));
+        list.push(("anisotropy_degrees", number(desc.anisotropy_rotation.to_degrees()), textures.anisotropy.is_some()));
+    }
+    if desc.diffuse_transmission != 0.0 {
+        let share = textures.diffuse_transmission.is_some();
+        let tinted = textures.diffuse_transmission_color.is_some();
+        list.push(("diffuse_transmission", number(desc.diffuse_transmission), share));
+        list.push(("diffuse_transmission_color", color(desc.diffuse_transmission_color), tinted));
+    }
+    if desc.alpha_mode != AlphaMode::Opaque {
+        list.push(("alpha", number(desc.alpha), textures.alpha.is_some()));
+    }
+    list.push(("emission", color(desc.emission), textures.emission.is_some()));
+    if desc.is_emissive() {
+        list.push(("emits_both_sides", desc.emits_both_sides.to_string(), false));
+    }
+    list
+}
+
+fn camera_text(name: &str, camera: &CameraDesc) -> String {
+    let CameraDesc { position, direction, up, projection, lens } = camera;
+    let to: [f64; 3] = std::array::from_fn(|axis| position[axis] + direction[axis]);
+    let mut text = format!("\n# [[cameras]]\n# name = {}\n", quoted(name));
+    for (key, value) in [("from", position), ("to", &to), ("up", up)] {
+        let _ = writeln!(text, "# {key} = {}", triple(*value));
+    }
+    let _ = match projection {
+        Projection::Perspective { vertical_fov } => {
+            writeln!(text, "# fov_degrees = {}", number(vertical_fov.to_degrees()))
+        }
+        Projection::Orthographic { half_height } => writeln!(text, "# half_height = {}", number(*half_height)),
+    };
+    if let Some(lens) = lens {
+        let (diameter, distance) = (number(lens.diameter), number(lens.focus_distance));
+        let _ = writeln!(text, "# aperture = {diameter}\n# focus = {distance}");
+    }
+    text
+}
+
+/// A string of TOML on one line.
+fn quoted(text: &str) -> String {
+    let mut quoted = "\"".to_owned();
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            _ if c.is_control() => {
+                let _ = write!(quoted, "\\u{:04X}", u32::from(c));
+            }
+            _ => quoted.push(c),
+        }
+    }
+    quoted + "\""
+}
+
+/// One number if all channels are equal.
+fn color(value: [f64; 3]) -> String {
+    if value == [value[0]; 3] { number(value[0]) } else { triple(value) }
+}
+
+fn triple(value: [f64; 3]) -> String {
+    format!("[{}]", value.map(number).join(", "))
+}
+
+/// The shortest number that is read as the same.
+fn number(value: f64) -> String {
+    format!("{value:?}").to_lowercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin::{builtin, builtin_names};
+    use crate::describe::ThinLens;
+    use crate::report::LoadReport;
+    use std::path::Path;
+
+    fn applied(text: &str, scene: &SceneBuilder) -> SceneBuilder {
+        let mut scene = scene.clone();
+        let overrides = Overrides::parse(text, Path::new("starter.toml")).expect(text);
+        overrides.apply(&mut scene, &mut LoadReport::default()).expect(text);
+        scene
+    }
+
+    /// The text with all keys and tables, without the examples that add something and the values that replace a texture.
+    fn with_all_values(text: &str) -> String {
+        let values = text.split("\n# A square").next().expect("materials").lines();
+        let cameras = text.find("\n# [[cameras]]").map_or("", |at| &text[at..]).lines();
+        let uncommented = |line: &str| match line.strip_prefix("# ") {
+            Some(entry) if entry.starts_with("light_units") || entry.contains("# in place") => String::new(),
+            Some(entry) if entry.contains(" = ") || entry.starts_with('[') => format!("{entry}\n"),
+            Some(_) => String::new(),
+            None => format!("{line}\n"),
+        };
+        values.chain(cameras).map(uncommented).collect()
+    }
+
+    /// Degrees are converted twice.
+    fn close(a: f64, b: f64) -> bool {
+        (a - b).abs() <= 4.0 * f64::EPSILON * b.abs()
+    }
+
+    /// Of all materials and cameras of the built-in scenes, and of kinds that they lack. A value that replaces a texture
+    /// without saying so fails.
+    #[test]
+    fn its_values_are_those_of_the_scene() {
+        let mut scenes: Vec<SceneBuilder> =
+            builtin_names().iter().map(|(name, _)| builtin(name).expect("listed")).collect();
+        let mut other = SceneBuilder::new();
+        let glossy = MaterialDesc::plastic("lacquer \"№ 1\" \\ \n", [0.1, 0.2, 0.7], 0.3)
+            .with_clearcoat(0.5, 0.1)
+            .with_specular_color([1.0, 0.5, 0.25])
+            .with_anisotropy(0.5, 30.0_f64.to_radians())
+            .with_diffuse_transmission(0.25, [0.5, 1.0, 0.5]);
+        other.material(glossy);
+        other.material(MaterialDesc::lambert("veil", [1e-7, 0.0, 1.0]).with_alpha(AlphaMode::Blend, 0.5));
+        other.material(MaterialDesc::thin("", 1.3));
+        other.material(MaterialDesc::mirror("tab\t\u{7f}", [0.9, 0.8, 0.7]).with_both_sides(true));
+        let camera = CameraDesc::look_at([1.0, 2.0, 3.0], [0.0; 3], [0.0, 1.0, 0.0], 0.5);
+        other.camera("lens", camera.clone().with_lens(ThinLens::new(0.1, 4.0)));
+        other.camera("flat", camera.with_projection(Projection::Orthographic { half_height: 2.5 }));
+        scenes.push(other);
+        for mut scene in scenes {
+            // Those of one name share the values of the first.
+            for (index, material) in scene.materials.iter_mut().enumerate() {
+                material.name += &format!("{index}");
+            }
+            let text = Overrides::starter(&scene);
+            let result = applied(&with_all_values(&text), &scene);
+            for (found, given) in result.materials.iter().zip(&scene.materials) {
+                assert!(close(found.anisotropy_rotation, given.anisotropy_rotation), "{text}");
+                let found = MaterialDesc { anisotropy_rotation: given.anisotropy_rotation, ..found.clone() };
+                assert_eq!((&found, text.contains("[materials.")), (given, true), "{text}");
+            }
+            assert_eq!(result.materials.len(), scene.materials.len());
+            assert_eq!(result.cameras.len(), 2 * scene.cameras.len(), "{text}");
+            for ((name, found), (known, given)) in result.cameras.iter().zip(&scene.cameras) {
+                assert_eq!((name, found.position, found.up, found.lens), (known, given.position, given.up, given.lens));
+                match (found.projection, given.projection) {
+                    (Projection::Perspective { vertical_fov }, Projection::Perspective { vertical_fov: other }) => {
+                        assert!(close(vertical_fov, other))
+                    }
+                    (found, given) => assert_eq!(found, given),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn as_it_is_it_changes_nothing() {
+        for (name, _) in builtin_names() {
+            let scene = builtin(name).expect("listed");
+            let result = applied(&Overrides::starter(&scene), &scene);
+            assert_eq!(result.materials, scene.materials, "{name}");
+            assert_eq!((&result.lights, &result.cameras), (&scene.lights, &scene.cameras), "{name}");
+            assert_eq!(result.meshes.len(), scene.meshes.len(), "{name}");
+        }
+    }
+
+    /// The examples are valid, and shine downwards.
+    #[test]
+    fn its_examples_work() {
+        let scene = builtin("cornell").expect("listed");
+        let text: String = TAIL
+            .lines()
+            .filter_map(|line| line.strip_prefix("# "))
+            .filter(|line| !line.ends_with(':'))
+            .fold(String::new(), |text, line| text + line + "\n");
+        let result = applied(&text, &scene);
+        assert!(result.environment.is_some());
+        let mesh = result.meshes.last().expect("a quad");
+        let [a, b, c] = mesh.triangles[0].map(|index| glam::DVec3::from(mesh.positions[index as usize]));
+        assert!((b - a).cross(c - a).normalize_or_zero().distance(glam::DVec3::NEG_Y) < 1e-12);
+        assert_eq!(mesh.positions.len(), 4);
+    }
+
+    #[test]
+    fn materials_of_one_name_are_listed_once() {
+        let mut scene = SceneBuilder::new();
+        for albedo in [0.25, 0.75] {
+            scene.material(MaterialDesc::lambert("twin", [albedo; 3]));
+        }
+        let text = Overrides::starter(&scene);
+        assert_eq!(text.matches("[materials.\"twin\"]").count(), 1);
+        assert!(text.contains("# 2 materials have this name") && text.contains("# albedo = 0.25\n"), "{text}");
+    }
+}

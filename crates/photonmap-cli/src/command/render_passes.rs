@@ -1,0 +1,82 @@
+//! `photonmap render` on one device, without a film file: whole passes.
+#![expect(clippy::print_stderr, reason = "notes and the reached error go to standard error")]
+
+use std::cell::RefCell;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use photon_core::{Budget, Event, Outcome, Render, render};
+
+use crate::args::RenderArgs;
+use crate::command::picture;
+use crate::fault::Fault;
+use crate::forecast_text::{error_line, forecast_lines};
+use crate::progress::{Limit, Progress};
+use crate::watch::{Watch, Watching};
+
+/// Renders passes on one device until the budget of the options is spent, or `stop` is set.
+///
+/// # Errors
+/// [`Fault`] if rendering fails.
+pub(super) fn run(
+    args: &RenderArgs,
+    photons: u32,
+    renderer: &mut dyn Render,
+    started: Instant,
+    (watch, stop): (&mut Watch, &AtomicBool),
+) -> Result<Outcome, Fault> {
+    // The requested time is that of the whole program.
+    let limit = args.settings.budget.time.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX));
+    let time = limit.map(|time| time.saturating_sub(started.elapsed() + writing(args)));
+    let mut plan = args.settings.plan(time);
+    // The same total number of photons, if the memory limit makes passes smaller.
+    let each = renderer.facts().photons;
+    if each < photons {
+        eprintln!("memory: {each} paths a pass fit the limit");
+        let more = |passes: u32| passes.saturating_mul(photons.div_ceil(each)).min(u32::MAX - 1);
+        // A range is what it says.
+        if let (Budget::Passes(passes), 0) = (&mut plan.until, plan.first) {
+            *passes = more(*passes);
+        }
+        plan.most_passes = plan.most_passes.map(more);
+    }
+    let progress = RefCell::new(Progress::new(match (plan.until, time) {
+        (Budget::Error { .. }, Some(time)) => Limit::Time(time),
+        (Budget::Time(time), _) if plan.most_passes.is_none() => Limit::Time(time),
+        (Budget::Passes(passes), _) => Limit::Passes(passes),
+        (Budget::Photons(all), _) => {
+            Limit::Passes(u32::try_from(all.div_ceil(u64::from(each.max(1)))).unwrap_or(u32::MAX))
+        }
+        _ => plan.most_passes.map_or(Limit::Open, Limit::Passes),
+    }));
+    let mut forecast_shown = false;
+    let inner = |event: &Event<'_>| {
+        match event {
+            Event::PassDone(pass) => progress.borrow_mut().passes(pass.index + 1 - plan.first),
+            Event::Forecast(forecast) if !std::mem::replace(&mut forecast_shown, true) => {
+                progress.borrow().say(&forecast_lines(forecast, photons));
+            }
+            Event::Warning(text) => progress.borrow().say(&format!("warning: {text}")),
+            _ => {}
+        }
+        if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let mut say = |text: &str| progress.borrow().say(text);
+    let outcome = render(renderer, plan, &mut Watching { watch, inner, say: &mut say });
+    progress.into_inner().finish();
+    let outcome = outcome?;
+    if let Some(reached) = &outcome.reached {
+        eprintln!("{}", error_line("result", reached));
+    }
+    Ok(outcome)
+}
+
+/// Estimated time to write the pictures: a tenth of a microsecond per pixel for a PNG, and the
+/// compression of all layers for an EXR.
+fn writing(args: &RenderArgs) -> Duration {
+    let (width, height) = args.settings.picture.size;
+    let pixels = f64::from(width) * f64::from(height);
+    let exr = args.files.output.iter().any(|path| picture::is_exr(path));
+    Duration::from_secs_f64(pixels * if exr { 1.5e-6 } else { 1e-7 })
+}

@@ -59,6 +59,17 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
             return floats(vec4(tangent * sign, strength), vec4(float(anisotropy_path_word(words.c.x, word) >> 16)));
         }
     }
+    if (FUNCTION >= 16u) {
+        layers.sheen_color = vec3(0.9, 0.5, 0.2);
+        layers.sheen_roughness = c.x;
+    }
+    if (FUNCTION == 19u) {
+        Albedos albedos = Albedos(uvec2(scene.shading.albedos));
+        ReflectionLobe lobe = lobe_new(albedos, lobe_pack_sheen(c.x), a.xyz, normal);
+        Charlie sheen = lobe_sheen(albedos, lobe_pack_sheen(c.x), lobe.wo);
+        vec3 weight = lobe_weight_sheen(albedos, lobe, sheen, b.xyz, vec3(0.6, 0.48, -0.64));
+        return floats(vec4(lobe_is_sheen(lobe_pack_sheen(c.x)) ? weight : vec3(-1.0), 0.0), vec4(0.0));
+    }
     if (FUNCTION == 6u || FUNCTION == 12u) {
         vec3 factor;
         uvec2 words = lobe_pack(material, layers, factor);
@@ -87,11 +98,16 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         return floats(vec4(glossy.diffuse, glossy.specular_probability),
             vec4(glossy.transmitted, glossy.transmission_probability));
     }
-    if (FUNCTION >= 14u) {
+    if (FUNCTION == 16u) {
+        float entering = glossy_entering(scene, glossy.coat, c.y) * 0.0625;
+        return floats(vec4(glossy.diffuse, glossy.specular_probability),
+            vec4(glossy.sheen_probability, entering, glossy.sheen_through, 0.0));
+    }
+    if (FUNCTION == 14u || FUNCTION == 15u) {
         layers.coat_normal = vec3(0.36, 0.8, -0.48);
         glossy = glossy_at(scene, material, layers, dot3(a.xyz, normal), a.xyz, c.x < 0.5);
     }
-    if (FUNCTION == 4u || FUNCTION == 10u || FUNCTION == 14u) {
+    if (FUNCTION == 4u || FUNCTION == 10u || FUNCTION == 14u || FUNCTION == 17u) {
         Reflected reflected = glossy_evaluate(scene, glossy, a.xyz, b.xyz, normal);
         return floats(vec4(reflected.value, reflected.pdf), vec4(glossy_limited(b.xyz, vec3(0.6, 0.48, -0.64), normal)));
     }

@@ -38,7 +38,8 @@ void main() {
         case 11u: COPY(MaterialTextureTable); break;
         case 12u: COPY(AnisotropyTable); break;
         case 13u: COPY(TransmissionTable); break;
-        case 14u: COPY(ClearcoatNormalTable); break;
+        case 14u: COPY(SheenLayerTable); break;
+        case 15u: COPY(ClearcoatNormalTable); break;
         default: COPY(LightNodes); break;
     }
 }

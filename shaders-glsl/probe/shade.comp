@@ -12,6 +12,7 @@ layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = FEATURE_ALL;
 
 #include "probe/probe.glsl"
+#include "shading/coated_light.glsl"
 #include "shading/shade.glsl"
 
 // Functions of vectors: three of them, and a number beside each. Functions of a scene: barycentric coordinates, a
@@ -27,6 +28,9 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 3u) {
         Light light = scene.lights[words.a.z].at;
         return floats(vec4(shade_emission_ratio(scene, light, slot, a.x, a.y), 0.0), vec4(0.0));
+    }
+    if (FUNCTION == 11u) {
+        return floats(vec4(emission_through(scene, slot, a.x, a.y, vec3(b.z, b.w, c.x))), vec4(0.0));
     }
     Primitive primitive = scene.primitives[slot].at;
     Surface at;
@@ -50,6 +54,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 8u) {
         return floats(vec4(layers.transmission_color, layers.diffuse_transmission), vec4(0.0));
     }
+    if (FUNCTION == 10u) return floats(vec4(layers.sheen_color, layers.sheen_roughness), vec4(0.0));
     if (FUNCTION == 9u) return floats(vec4(layers.coat_normal, 0.0), vec4(0.0));
     return floats(vec4(normal, 0.0), vec4(0.0));
 }

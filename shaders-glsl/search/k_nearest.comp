@@ -38,6 +38,8 @@ layout(constant_id = 10) const uint SHADING = 0;
 const uint REFLECTED = 2;
 // The same, which may be anisotropic.
 const uint ANISOTROPIC = 3;
+// The same, which may be that of a sheen.
+const uint SHEEN_OR_OTHER = 4;
 
 // Positions; then normals or directions, and powers or ids.
 shared uvec4 staged[TILES * TILE_POINTS];
@@ -49,10 +51,13 @@ shared uint directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 vec3 at, normal;
 // The shading normal, if `SHADING`.
 vec3 shading;
-// If `REFLECTED` or `ANISOTROPIC`.
+// From `REFLECTED` on.
 ReflectionLobe lobe;
-// If `ANISOTROPIC`.
+// From `ANISOTROPIC` on.
 vec2 widths;
+// If `SHEEN_OR_OTHER`.
+Charlie sheen;
+bool is_sheen;
 
 Albedos albedos() { return Albedos(uvec2(push.threshold, floatBitsToUint(push.max_plane_distance))); }
 
@@ -61,7 +66,8 @@ vec3 shading_factor(uint direction, uint photon_normal) {
     if (SHADING == 0) return vec3(1.0);
     vec3 from = octahedral_unpack(direction), geometric = octahedral_unpack(photon_normal);
     if (SHADING == REFLECTED) return lobe_weight(albedos(), lobe, from, geometric);
-    if (SHADING == ANISOTROPIC) return lobe_weight_anisotropic(albedos(), lobe, widths, from, geometric);
+    if (SHADING == SHEEN_OR_OTHER && is_sheen) return lobe_weight_sheen(albedos(), lobe, sheen, from, geometric);
+    if (SHADING >= ANISOTROPIC) return lobe_weight_anisotropic(albedos(), lobe, widths, from, geometric);
     return vec3(shading_cosine_ratio(from, geometric, shading));
 }
 uint limit, accepted;
@@ -162,10 +168,14 @@ void ask(uint index) {
         uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
         lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.offset_or_wo), shading);
     }
-    if (SHADING == ANISOTROPIC) {
+    if (SHADING >= ANISOTROPIC) {
         uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
         lobe = lobe_anisotropic(albedos(), words, push.queries[index].at.path,
             octahedral_unpack(push.queries[index].at.offset_or_wo), shading, widths);
+        if (SHADING == SHEEN_OR_OTHER) {
+            is_sheen = lobe_is_sheen(words);
+            if (is_sheen) sheen = lobe_sheen(albedos(), words, lobe.wo);
+        }
     }
     precise float radius = MODE == ROWS ? push.radius : push.queries[index].at.radius * push.radius;
     precise float most = radius * radius;

@@ -37,6 +37,8 @@ layout(constant_id = 10) const uint SHADING = 0;
 const uint REFLECTED = 2;
 // The same, which may be anisotropic.
 const uint ANISOTROPIC = 3;
+// The same, which may be that of a sheen.
+const uint SHEEN_OR_OTHER = 4;
 
 // Positions with packed normals, normals, powers.
 shared uvec4 staged[TILES * TILE_POINTS];
@@ -48,10 +50,13 @@ shared vec3 directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 vec3 at, normal;
 // The shading normal, if `SHADING`.
 vec3 shading;
-// If `REFLECTED` or `ANISOTROPIC`.
+// From `REFLECTED` on.
 ReflectionLobe lobe;
-// If `ANISOTROPIC`.
+// From `ANISOTROPIC` on.
 vec2 widths;
+// If `SHEEN_OR_OTHER`.
+Charlie sheen;
+bool is_sheen;
 uint limit;
 float scale;
 // Maximum distance of a photon from the query's plane, if `FLAT`.
@@ -74,7 +79,10 @@ Albedos albedos() { return Albedos(uvec2(push.threshold, push.k)); }
 vec3 power_of(uint place) {
     if (SHADING == 0) return powers[place];
     if (SHADING == REFLECTED) return powers[place] * lobe_weight(albedos(), lobe, directions[place], normals[place]);
-    if (SHADING == ANISOTROPIC) {
+    if (SHADING == SHEEN_OR_OTHER && is_sheen) {
+        return powers[place] * lobe_weight_sheen(albedos(), lobe, sheen, directions[place], normals[place]);
+    }
+    if (SHADING >= ANISOTROPIC) {
         return powers[place] * lobe_weight_anisotropic(albedos(), lobe, widths, directions[place], normals[place]);
     }
     return powers[place] * shading_cosine_ratio(directions[place], normals[place], shading);
@@ -146,10 +154,14 @@ void main() {
             uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
             lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.offset_or_wo), shading);
         }
-        if (SHADING == ANISOTROPIC) {
+        if (SHADING >= ANISOTROPIC) {
             uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
             lobe = lobe_anisotropic(albedos(), words, push.queries[index].at.path,
                 octahedral_unpack(push.queries[index].at.offset_or_wo), shading, widths);
+            if (SHADING == SHEEN_OR_OTHER) {
+                is_sheen = lobe_is_sheen(words);
+                if (is_sheen) sheen = lobe_sheen(albedos(), words, lobe.wo);
+            }
         }
         precise float radius = push.queries[index].at.radius * push.radius;
         squared_radius = radius * radius;

@@ -61,8 +61,10 @@ const uint FEATURE_SUN = 4194304u;
 const uint FEATURE_ANISOTROPY = 8388608u;
 const uint FEATURE_DIFFUSE_TRANSMISSION = 16777216u;
 const uint FEATURE_CLEARCOAT_NORMALS = 33554432u;
+const uint FEATURE_COATED_LIGHTS = 67108864u;
+const uint FEATURE_SHEEN = 134217728u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 67108863u;
+const uint FEATURE_ALL = 268435455u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;
@@ -202,6 +204,12 @@ const float CLEARCOAT_LOWER_F0 = 127.0;
 const float CLEARCOAT_LOWER_F90 = 15.0;
 const float CLEARCOAT_WEIGHT = 63.0;
 const float CLEARCOAT_ROUGHNESS = 63.0;
+
+// sheen, SheenTable.
+const float SHEEN_MIN_ROUGHNESS = 0.07000000029802322;
+const float SHEEN_MIN_COSINE = 0.0010000000474974513;
+const uint SHEEN_TABLE_SIZE = 64u;
+const uint SHEEN_NODES = 16u;
 
 // solid_angle.
 const float SOLID_ANGLE_NEAR = 32.0;

@@ -13,6 +13,7 @@
 #include "shading/sampling.glsl"
 #include "shading/shade.glsl"
 #include "shading/shading_normal.glsl"
+#include "shading/sheen.glsl"
 
 struct Glossy {
     float alpha;
@@ -27,6 +28,11 @@ struct Glossy {
     float transmission_probability;
     float specular_probability;
     uint coat;
+    // Colour of the sheen, what it lets through, its lobe, and the probability of sampling it.
+    vec3 sheen_color;
+    float sheen_through;
+    Charlie sheen;
+    float sheen_probability;
     // Weight and roughness of the clearcoat, what it lets through, and the probability of sampling its reflection.
     float clearcoat;
     float clearcoat_roughness;
@@ -63,6 +69,7 @@ uint glossy_coat(float roughness, float f0, float f90) {
 // The factor on light that arrives at the base under a coat, compared with a base without one.
 float glossy_entering(SceneRef scene, uint coat, float cosine) {
     if (coat == 0u) return 1.0;
+    if (SHEEN && sheen_is_packed(coat)) return sheen_entering(scene, coat, cosine);
     if (CLEARCOAT && clearcoat_is_packed(coat)) return clearcoat_entering(scene, coat, cosine);
     precise float roughness = float(coat & 1023u) / GLOSSY_COAT_ROUGHNESS;
     precise float f0 = float(coat >> 10 & 4095u) / GLOSSY_COAT_F0;
@@ -120,6 +127,24 @@ Glossy glossy_with_coat_normal(
     }
     precise float multiple_share = glossy_greatest(multiple_albedo) / most_specular;
     if (!(most_specular > 0.0)) multiple_share = 0.0;
+    float sheen_strength = 0.0, through_sheen = 1.0, sheen_share = 0.0;
+    Charlie sheen;
+    if (SHEEN) {
+        sheen_strength = glossy_greatest(layers.sheen_color);
+        if (sheen_strength > 0.0) {
+            sheen = charlie_new(sheen_table(scene), layers.sheen_roughness, min(cosine, 1.0));
+            through_sheen = sheen_rest(sheen_strength, sheen.albedo);
+            diffuse = diffuse * through_sheen;
+            transmitted = transmitted * through_sheen;
+            precise float dimmed = most_diffuse * through_sheen;
+            precise float reflected = 1.0 - through_sheen;
+            precise float all_specular = reflected + through_sheen * most_specular;
+            precise float share = reflected / all_specular;
+            most_diffuse = dimmed;
+            most_specular = all_specular;
+            sheen_share = all_specular > 0.0 ? share : 0.0;
+        }
+    }
     float through_above = 1.0, clearcoat_share = 0.0;
     bool has_clearcoat = CLEARCOAT && layers.clearcoat > 0.0;
     if (has_clearcoat) {
@@ -156,6 +181,13 @@ Glossy glossy_with_coat_normal(
     glossy.specular_probability = specular_share;
     glossy.coat = has_clearcoat ? clearcoat_pack(roughness, coat_f0, weight, layers)
                                 : glossy_coat(roughness, coat_f0, weight);
+    if (SHEEN && sheen_strength > 0.0) {
+        glossy.coat = sheen_pack(roughness, coat_f0, weight, sheen_strength, layers);
+        glossy.sheen = sheen;
+    }
+    glossy.sheen_color = SHEEN ? layers.sheen_color : vec3(0.0);
+    glossy.sheen_through = through_sheen;
+    glossy.sheen_probability = sheen_share;
     glossy.clearcoat = CLEARCOAT ? layers.clearcoat : 0.0;
     glossy.clearcoat_roughness = layers.clearcoat_roughness;
     glossy.through = through_above;
@@ -255,6 +287,15 @@ Reflected glossy_evaluate(SceneRef scene, Glossy glossy, vec3 wo, vec3 wi, vec3 
         value = value + glossy.multiple * (max(lost, 0.0) * cosine);
         pdf = pdf * (1.0 - p) + cosine * p;
     }
+    if (SHEEN && glossy.sheen_color != vec3(0.0)) {
+        float strength = glossy_greatest(glossy.sheen_color);
+        float through =
+            min(glossy.sheen_through, sheen_through(scene, strength, glossy.sheen.roughness, i.z));
+        float lobe = charlie_evaluate(sheen_table(scene), glossy.sheen, o, i, h);
+        float share = glossy.sheen_probability;
+        value = value * through + glossy.sheen_color * (lobe * i.z);
+        pdf = pdf * (1.0 - share) + share * 0.159154943;
+    }
     if (CLEARCOAT && glossy.clearcoat > 0.0) {
         vec3 above = vec3(clearcoat_evaluate(glossy.clearcoat, glossy.clearcoat_roughness, o, i, h), i.z);
         if (CLEARCOAT_NORMALS && glossy.coat_normal != vec3(0.0)) {
@@ -283,7 +324,14 @@ Reflected glossy_sample(SceneRef scene, Glossy glossy, vec3 wo, vec3 normal, flo
         is_below = u >= share;
         u = glossy_rest(u, share);
     }
-    if (is_below && u < p) {
+    bool is_sheen = false;
+    if (SHEEN && is_below && glossy.sheen_probability > 0.0) {
+        is_sheen = u < glossy.sheen_probability;
+        u = glossy_rest(u, glossy.sheen_probability);
+    }
+    if (SHEEN && is_sheen) {
+        wi = sampling_about(normal, u, v);
+    } else if (is_below && u < p) {
         precise float rest = u / p;
         wi = cosine_hemisphere(normal, rest, v);
     } else {

@@ -18,9 +18,14 @@ struct Layers {
     // Share of the base that transmits, and its albedo.
     float diffuse_transmission;
     vec3 transmission_color;
+    // Colour and roughness of the sheen.
+    vec3 sheen_color;
+    float sheen_roughness;
 };
 
-Layers layers_none() { return Layers(vec3(1.0), 0.0, 0.0, vec3(0.0), 0.0, vec3(0.0), 0.0, vec3(1.0)); }
+Layers layers_none() {
+    return Layers(vec3(1.0), 0.0, 0.0, vec3(0.0), 0.0, vec3(0.0), 0.0, vec3(1.0), vec3(0.0), 0.0);
+}
 
 // Reflectance of the coat at normal incidence.
 vec3 layers_coat_f0(Layers layers, Material material) {

@@ -141,6 +141,14 @@ struct DiffuseTransmission {
     uint reserved[2];
 };
 
+struct SheenLayer {
+    vec3 color;
+    float roughness;
+    uint color_texture;
+    uint roughness_texture;
+    uint reserved[2];
+};
+
 struct ClearcoatNormal {
     uint is_own;
     uint texture;
@@ -174,5 +182,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer MaterialTex
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer AnisotropyTable { Anisotropy at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ClearcoatNormalTable { ClearcoatNormal at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TransmissionTable { DiffuseTransmission at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SheenLayerTable { SheenLayer at; };
+
+// Entries of photon-core's SheenTable.
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SheenAlbedos { float at; };
 
 #endif

@@ -2,6 +2,7 @@
 #ifndef LIGHT_SAMPLE_GLSL
 #define LIGHT_SAMPLE_GLSL
 
+#include "shading/coated_light.glsl"
 #include "shading/constants.glsl"
 #include "shading/environment.glsl"
 #include "shading/offset.glsl"
@@ -133,6 +134,9 @@ bool light_sample(SceneRef scene, uint index, vec3 from, uvec4 words, out LightS
     if (TEXTURED_LIGHTS && light.kind == LIGHT_TRIANGLE) {
         uint slot = scene.emissions[index].at.slot;
         power *= shade_emission_ratio(scene, light, slot, target.weights.x, target.weights.y);
+    }
+    if (COATED_LIGHTS && light.kind == LIGHT_TRIANGLE) {
+        power *= emission_through(scene, scene.emissions[index].at.slot, target.weights.x, target.weights.y, -direction);
     }
     // A two-sided light splits its power between its sides; only the one facing the query contributes.
     float sides = (light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0;

@@ -11,6 +11,7 @@
 #include "shading/math.glsl"
 #include "shading/sampling.glsl"
 #include "shading/shading_normal.glsl"
+#include "shading/sheen_lobe.glsl"
 
 // Entries of albedo_table.glsl.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Albedos { vec2 at; };
@@ -152,6 +153,34 @@ ReflectionLobe lobe_anisotropic(Albedos albedos, uvec2 words, uint word, vec3 wo
     anisotropy_frame(along, normal, tangent, bitangent);
     return lobe_in(
         albedos, words, anisotropy_equivalent_roughness(widths), wo, tangent, bitangent, normal);
+}
+
+// The words of a query for a sheen of this roughness; its colour is in the throughput.
+uvec2 lobe_pack_sheen(float roughness) {
+    return uvec2(255u << 24, lobe_steps(max(roughness, SHEEN_MIN_ROUGHNESS), LOBE_ROUGHNESS_STEPS) | 7u << 29);
+}
+
+// Whether these words are from lobe_pack_sheen.
+bool lobe_is_sheen(uvec2 words) { return words.x >> 24 == 255u && words.y >> 29 == 7u; }
+
+// The table of its albedos, behind that of glossy surfaces.
+SheenAlbedos lobe_sheen_table(Albedos albedos) { return SheenAlbedos(albedos + int(ROUGH_GLASS_STRIDE)); }
+
+// Its lobe, for a direction towards the viewer in the frame of the shading normal.
+Charlie lobe_sheen(Albedos albedos, uvec2 words, vec3 wo) {
+    return charlie_new(lobe_sheen_table(albedos), lobe_roughness(words), clamp(wo.z, 0.0, 1.0));
+}
+
+// As lobe_weight, of a sheen with the frame of `lobe`.
+vec3 lobe_weight_sheen(Albedos albedos, ReflectionLobe lobe, Charlie sheen, vec3 wi, vec3 geometric) {
+    float ratio = shading_cosine_ratio(wi, geometric, lobe.normal);
+    vec3 o = lobe.wo;
+    vec3 i = lobe_local(wi, lobe.tangent, lobe.bitangent, lobe.normal);
+    precise vec3 both = o + i;
+    float size = sqrt(dot3(both, both));
+    if (!(ratio > 0.0 && o.z > 0.0 && i.z > 0.0 && size > 0.0)) return vec3(0.0);
+    precise vec3 h = both / size;
+    return vec3(charlie_evaluate(lobe_sheen_table(albedos), sheen, o, i, h) * ratio);
 }
 
 // The factor on the power of a photon that came from the direction `wi`, on a surface with the geometric normal

@@ -90,6 +90,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     AnisotropyTable anisotropies;
     TransmissionTable diffuse_transmissions;
     ClearcoatNormalTable clearcoat_normals;
+    SheenLayerTable sheens;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };

@@ -24,8 +24,9 @@ const bool CLEARCOAT = (FEATURES & FEATURE_CLEARCOAT) != 0u;
 const bool ANISOTROPY = (FEATURES & FEATURE_ANISOTROPY) != 0u;
 const bool CLEARCOAT_NORMALS = (FEATURES & FEATURE_CLEARCOAT_NORMALS) != 0u;
 const bool DIFFUSE_TRANSMISSION = (FEATURES & FEATURE_DIFFUSE_TRANSMISSION) != 0u;
+const bool SHEEN = (FEATURES & FEATURE_SHEEN) != 0u;
 // Whether materials have a record of layers, with or without textures.
-const bool LAYERED = SPECULAR_COLORS || CLEARCOAT || ANISOTROPY || DIFFUSE_TRANSMISSION;
+const bool LAYERED = SPECULAR_COLORS || CLEARCOAT || ANISOTROPY || DIFFUSE_TRANSMISSION || SHEEN;
 const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS || LAYERED;
 const bool TEXTURED_LIGHTS = (FEATURES & FEATURE_TEXTURED_LIGHTS) != 0u;
 
@@ -113,6 +114,17 @@ void shade_coat_normal(
     layers.coat_normal = at.front ? normal : -normal;
 }
 
+// Weight and roughness of the clearcoat of a material with one.
+vec2 shade_clearcoat(SceneRef scene, MaterialTextures textures, uint slot, vec3 weights) {
+    float weight = 1.0, roughness = 1.0;
+    if (TEXTURES) {
+        weight = shade_sample(scene, textures.clearcoat, slot, weights).x;
+        roughness = shade_sample(scene, textures.clearcoat_roughness, slot, weights).y;
+    }
+    return vec2(alpha_multiply(textures.clearcoat_factor, weight),
+        alpha_multiply(textures.clearcoat_roughness_factor, roughness));
+}
+
 void shade_transmission(SceneRef scene, uint index, uint slot, vec3 weights, inout Layers layers) {
     DiffuseTransmission found = scene.shading.diffuse_transmissions[index].at;
     layers.diffuse_transmission = found.factor;
@@ -121,6 +133,15 @@ void shade_transmission(SceneRef scene, uint index, uint slot, vec3 weights, ino
     }
     layers.transmission_color =
         shade_multiply(found.color, shade_sample(scene, found.color_texture, slot, weights));
+}
+
+void shade_sheen(SceneRef scene, uint index, uint slot, vec3 weights, inout Layers layers) {
+    SheenLayer found = scene.shading.sheens[index].at;
+    layers.sheen_roughness = found.roughness;
+    if (found.roughness_texture != NO_TEXTURE) {
+        layers.sheen_roughness = alpha_multiply(found.roughness, texel_at(scene, found.roughness_texture, slot, weights).w);
+    }
+    layers.sheen_color = shade_multiply(found.color, shade_sample(scene, found.color_texture, slot, weights));
 }
 
 // Evaluates the surface `at` of a hit: replaces the colours of `material` and `layers`, and returns the shading normal.
@@ -166,10 +187,9 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
                 shade_multiply(textures.specular_color_factor, shade_sample(scene, textures.specular_color, slot, weights));
         }
         if (CLEARCOAT && textures.clearcoat_factor > 0.0) {
-            float weight = shade_sample(scene, textures.clearcoat, slot, weights).x;
-            float roughness = shade_sample(scene, textures.clearcoat_roughness, slot, weights).y;
-            layers.clearcoat = alpha_multiply(textures.clearcoat_factor, weight);
-            layers.clearcoat_roughness = alpha_multiply(textures.clearcoat_roughness_factor, roughness);
+            vec2 coat = shade_clearcoat(scene, textures, slot, weights);
+            layers.clearcoat = coat.x;
+            layers.clearcoat_roughness = coat.y;
         }
         if (CLEARCOAT_NORMALS && textures.clearcoat_factor > 0.0) {
             shade_coat_normal(scene, at, material.textures - 1u, slot, weights, normal, layers);
@@ -180,6 +200,7 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
         if (DIFFUSE_TRANSMISSION && (material.flags & MATERIAL_DIFFUSE_TRANSMISSION) != 0u) {
             shade_transmission(scene, material.textures - 1u, slot, weights, layers);
         }
+        if (SHEEN) shade_sheen(scene, material.textures - 1u, slot, weights, layers);
         if (NORMAL_MAPS && textures.normal != NO_TEXTURE) {
             vec3 texel = shade_sample(scene, textures.normal, slot, weights);
             normal = shade_mapped_normal(scene, slot, weights, normal, texel, textures.normal_scale);

@@ -18,6 +18,7 @@ layout(constant_id = 3) const bool AIMED = false;
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
+#include "shading/coated_light.glsl"
 #include "shading/environment.glsl"
 #include "shading/sun.glsl"
 
@@ -115,6 +116,10 @@ void main() {
         if (back) media = emission.media.y;
         origin = off_surface(point, normal);
         direction = cosine_hemisphere(normal, c, d);
+        if (COATED_LIGHTS) {
+            float share = emission_through(push.scene, emission.slot, weights.x, weights.y, direction);
+            carried = shade_multiply(carried, vec3(share));
+        }
     }
     PhotonRay ray;
     ray.origin = origin;

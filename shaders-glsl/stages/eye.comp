@@ -33,6 +33,7 @@ layout(constant_id = 9) const bool TERMINATOR_OFFSET = false;
 #include "shading/random.glsl"
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
+#include "shading/coated_light.glsl"
 #include "shading/environment.glsl"
 #include "shading/sun.glsl"
 #include "shading/glossy.glsl"
@@ -237,6 +238,9 @@ void main() {
                 if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
                 if (FOLLOWED && path.reflected_pdf > 0.0) {
                     throughput *= found_share(path, light_of_triangle(push.scene, hit.primitive), at.t);
+                }
+                if (COATED_LIGHTS) {
+                    throughput *= emission_through(push.scene, hit.slot, hit.u, hit.v, -path.ray.direction);
                 }
                 emission += throughput * material.emission;
             }

@@ -58,6 +58,10 @@ struct Leaves {
     float clearcoat_probability;
     vec3 clearcoat_throughput;
     uvec2 clearcoat_words;
+    // Of a sheen, likewise, if not of the clearcoat.
+    float sheen_probability;
+    vec3 sheen_throughput;
+    uvec2 sheen_words;
     // From anisotropy_pack.
     uint anisotropy;
 };
@@ -65,14 +69,15 @@ struct Leaves {
 // For the base. `seen` is the factor from radiance that leaves the surface to its contribution at the camera.
 Leaves leaves_base(Glossy glossy, uint media, vec3 seen) {
     return Leaves(glossy.specular_probability, glossy.diffuse * seen, 0.318309886, uvec2(media, glossy.coat),
-        glossy.transmission_probability, glossy.transmitted * seen, 0.0, vec3(0.0), uvec2(0u), 0u);
+        glossy.transmission_probability, glossy.transmitted * seen, 0.0, vec3(0.0), uvec2(0u), 0.0, vec3(0.0), uvec2(0u), 0u);
 }
 
 // For the reflection: the path goes on in search of other glossy surfaces.
 Leaves leaves_reflection(Material material, Layers layers, Glossy glossy, vec3 normal, vec3 seen) {
     vec3 factor;
     uvec2 words = lobe_pack(material, layers, factor);
-    Leaves leaves = Leaves(0.5, seen * factor, 1.0, words, 0.0, vec3(0.0), 0.0, vec3(0.0), uvec2(0u), 0u);
+    Leaves leaves = Leaves(0.5, seen * factor, 1.0, words, 0.0, vec3(0.0), 0.0, vec3(0.0), uvec2(0u), 0.0, vec3(0.0),
+        uvec2(0u), 0u);
     // Relative to the normal as the query has it.
     if (ANISOTROPY) leaves.anisotropy = anisotropy_pack(layers, octahedral_unpack(octahedral_pack(normal)));
     float share = glossy.clearcoat_probability;
@@ -80,7 +85,16 @@ Leaves leaves_reflection(Material material, Layers layers, Glossy glossy, vec3 n
         leaves.clearcoat_probability = share;
         leaves.clearcoat_words = lobe_pack(clearcoat_reflector(layers), layers_none(), factor);
         leaves.clearcoat_throughput = seen * factor / share;
-        leaves.throughput *= glossy.through / max(1.0 - share, 1.1920929e-7);
+        float passed = glossy.through / max(1.0 - share, 1.1920929e-7);
+        seen *= passed;
+        leaves.throughput *= passed;
+    }
+    float own = glossy.sheen_probability;
+    if (SHEEN && own > 0.0) {
+        leaves.sheen_probability = own;
+        leaves.sheen_words = lobe_pack_sheen(glossy.sheen.roughness);
+        leaves.sheen_throughput = seen * glossy.sheen_color / own;
+        leaves.throughput *= glossy.sheen_through / max(1.0 - own, 1.1920929e-7);
     }
     return leaves;
 }
@@ -102,14 +116,22 @@ bool reflect_path(
         uvec2 media_coat = leaves.words;
         uint packed = leaves.anisotropy;
         vec3 facing = normal;
+        float choice = splits ? unit_f32(random.x) : glossy_rest(unit_f32(random.x), first);
+        bool is_above = false;
         if (CLEARCOAT && leaves.clearcoat_probability > 0.0) {
-            float choice = splits ? unit_f32(random.x) : glossy_rest(unit_f32(random.x), first);
-            if (choice < leaves.clearcoat_probability) {
+            is_above = choice < leaves.clearcoat_probability;
+            if (SHEEN) choice = glossy_rest(choice, leaves.clearcoat_probability);
+            if (is_above) {
                 left = leaves.clearcoat_throughput;
                 media_coat = leaves.clearcoat_words;
                 packed = 0u;
                 facing = glossy_coat_normal(glossy, normal);
             }
+        }
+        if (SHEEN && REFLECTIONS && !is_above && choice < leaves.sheen_probability) {
+            left = leaves.sheen_throughput;
+            media_coat = leaves.sheen_words;
+            packed = 0u;
         }
         float scale = leaves.scale / (splits ? 1.0 : 1.0 - first);
         vec3 throughput = left * scale;

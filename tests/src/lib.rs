@@ -13,6 +13,7 @@ pub mod anisotropy;
 pub mod backends;
 pub mod blocks;
 pub mod clearcoat;
+pub mod coated_lights;
 pub mod debias;
 pub mod determinism;
 pub mod dielectrics;
@@ -44,6 +45,7 @@ pub mod required_format;
 pub mod rough_glass;
 pub mod shading_normals;
 pub mod shadow_terminator;
+pub mod sheen;
 pub mod sheets;
 pub mod specular_colors;
 pub mod stats;
@@ -153,6 +155,8 @@ macro_rules! whole_suite {
             gloss_behind_glass::{ plastic_behind_panes }
             specular_colors::{ channels_are_grey_coats }
             clearcoat::{ white_furnace, sunlit_surfaces, own_normals }
+            sheen::{ sunlit_surfaces, white_furnace, furnace_at_grazing_angles, g5_closed_room }
+            coated_lights::{ seen_by_the_camera, light_of_a_wall, power_of_a_plate, furnace }
             anisotropy::{ brushed_plates }
             diffuse_transmission::{
                 sunlit_from_behind, white_furnace, g5_closed_room, photons_leave_on_both_sides,

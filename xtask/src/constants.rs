@@ -83,6 +83,8 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_ANISOTROPY", Features::ANISOTROPY.bits()),
                 ("FEATURE_DIFFUSE_TRANSMISSION", Features::DIFFUSE_TRANSMISSION.bits()),
                 ("FEATURE_CLEARCOAT_NORMALS", Features::CLEARCOAT_NORMALS.bits()),
+                ("FEATURE_COATED_LIGHTS", Features::COATED_LIGHTS.bits()),
+                ("FEATURE_SHEEN", Features::SHEEN.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],

@@ -18,16 +18,17 @@ const KERNELS: [&str; 6] =
     ["stages/emit", "stages/trace", "stages/eye", "stages/direct", "stages/final_gather", "stages/area"];
 
 /// Features that are left out together.
-const FEATURES: [(&str, Features); 20] = [
+const FEATURES: [(&str, Features); 21] = [
     ("nothing", Features::NONE),
     ("mirrors", Features::MIRROR),
     ("glass, solid and thin", Features::DIELECTRIC.union(Features::THIN).union(Features::ABSORPTION)),
     ("absorption", Features::ABSORPTION),
     ("glossy surfaces", Features::GLOSSY),
     ("rough glass", Features::ROUGH_GLASS),
-    ("clearcoats", Features::CLEARCOAT),
+    ("clearcoats", Features::CLEARCOAT.union(Features::COATED_LIGHTS)),
     ("anisotropy", Features::ANISOTROPY),
     ("diffuse transmission", Features::DIFFUSE_TRANSMISSION),
+    ("sheen", Features::SHEEN),
     ("normals of clearcoats", Features::CLEARCOAT_NORMALS),
     ("specular colours", Features::SPECULAR_COLORS),
     ("alpha", Features::ALPHA),

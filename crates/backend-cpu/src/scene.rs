@@ -234,6 +234,15 @@ impl CpuScene {
         shading.view().emission_ratio(light, (u, v), material)
     }
 
+    /// What a clearcoat lets through of the light that a triangle emits at barycentric coordinates (u, v) in `direction`.
+    #[inline]
+    pub(crate) fn emission_through(&self, primitive: u32, at: (f32, f32), direction: Vec3) -> f32 {
+        let Some(shading) = &self.shading else { return 1.0 };
+        let Primitive { normal, material } = self.primitives[primitive as usize];
+        let material = &self.materials[material as usize];
+        shading.view().emission_through(primitive as usize, at, material, normal.into(), direction)
+    }
+
     /// The interface that a path in `media` meets at `surface`: the media on its two sides.
     #[inline]
     pub(crate) fn interface(&self, surface: &SurfaceInteraction, media: MediumStack) -> Interface {

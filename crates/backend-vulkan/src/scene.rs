@@ -16,6 +16,7 @@ use crate::vulkan::Vulkan;
 /// have would be read at address 0.
 pub(crate) const WITH_TABLES: Features = Features::SHADED
     .union(Features::TEXTURED_LIGHTS)
+    .union(Features::COATED_LIGHTS)
     .union(Features::ENVIRONMENT)
     .union(Features::LIGHT_TREE)
     .union(Features::ALPHA);
@@ -96,7 +97,7 @@ impl VulkanScene {
         let primitives = upload.by_triangle("primitives", &tree.order, |id| view.primitives[id as usize])?;
         let mut emissions: Vec<Emission> =
             (0..view.lights.len()).map(|index| emission(view, index, locator.as_ref())).collect();
-        if present.contains(Features::TEXTURED_LIGHTS) {
+        if present.intersects(Features::TEXTURED_LIGHTS.union(Features::COATED_LIGHTS)) {
             let mut slots = vec![0; tree.order.len()];
             for (slot, &id) in (0..).zip(&tree.order) {
                 slots[id as usize] = slot;

@@ -59,7 +59,7 @@ pub use scene::medium::Medium;
 pub use scene::solids::{Locator, Solids};
 pub use scene::texture::{
     Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, OwnedShadingTables, ShadingTables,
-    TexelFormat, Texture, TextureUse, Wrap,
+    SheenLayer, TexelFormat, Texture, TextureUse, Wrap,
 };
 pub use scene::units::Units;
 pub use scene::{SceneView, light_cdf, light_probability, pick_light};
@@ -79,7 +79,8 @@ pub use shading::reflection_lobe::ReflectionLobe;
 pub use shading::rough_glass::{RoughGlass, RoughSample};
 pub use shading::rough_glass_table::RoughGlassTable;
 pub use shading::shade::{Shaded, Shading};
+pub use shading::sheen_lobe::SheenTable;
 pub use shading::{
     alpha, anisotropy, area, clearcoat, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset,
-    random, rough_glass, sampling, shade, shading_normal, shadow_terminator, sobol, solid_angle, texture,
+    random, rough_glass, sampling, shade, shading_normal, shadow_terminator, sheen, sobol, solid_angle, texture,
 };

@@ -107,7 +107,7 @@ pub struct MaterialDesc {
     /// product is at most 1. White, which is usual, is a coat without colour. At grazing angles every coat is colourless.
     pub specular_color: [f64; 3],
     /// Weight of a clearcoat, in `[0, 1]`: a colourless dielectric layer of refractive index 1.5 over the surface; 0 without
-    /// one. Not for [`Surface::Dielectric`] and [`Surface::Thin`]. Emission is not changed by it.
+    /// one. Not for [`Surface::Dielectric`] and [`Surface::Thin`]. It dims emission.
     pub clearcoat: f64,
     /// Roughness of the clearcoat, in `[0, 1]`: the square root of the width of its distribution.
     pub clearcoat_roughness: f64,
@@ -125,6 +125,11 @@ pub struct MaterialDesc {
     pub diffuse_transmission: f64,
     /// Albedo of that transmission, linear RGB, each channel in `[0, 1]`.
     pub diffuse_transmission_color: [f64; 3],
+    /// Colour of a sheen over the surface, which reflects light at grazing angles like the fibres of cloth, linear RGB, each
+    /// channel in `[0, 1]`; black without one. Not for [`Surface::Dielectric`] and [`Surface::Thin`].
+    pub sheen_color: [f64; 3],
+    /// Roughness of the sheen, in `[0, 1]`: the lower, the more of it is at grazing angles. Below 0.07 it is rendered as 0.07.
+    pub sheen_roughness: f64,
     /// Textures that multiply the colours above, and a normal map.
     pub textures: TexturesDesc,
 }
@@ -148,6 +153,8 @@ impl MaterialDesc {
             anisotropy_rotation: 0.0,
             diffuse_transmission: 0.0,
             diffuse_transmission_color: [1.0; 3],
+            sheen_color: [0.0; 3],
+            sheen_roughness: 0.0,
             textures: TexturesDesc::default(),
         }
     }
@@ -224,6 +231,12 @@ impl MaterialDesc {
     #[must_use]
     pub fn with_diffuse_transmission(self, diffuse_transmission: f64, diffuse_transmission_color: [f64; 3]) -> Self {
         Self { diffuse_transmission, diffuse_transmission_color, ..self }
+    }
+
+    /// The material with this [`Self::sheen_color`] and [`Self::sheen_roughness`].
+    #[must_use]
+    pub fn with_sheen(self, sheen_color: [f64; 3], sheen_roughness: f64) -> Self {
+        Self { sheen_color, sheen_roughness, ..self }
     }
 
     /// The material with these [`Self::textures`].

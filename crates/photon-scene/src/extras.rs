@@ -51,6 +51,8 @@ pub(crate) enum MaterialExtras {
         clearcoat: Option<[Exact; 2]>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         diffuse_transmission: Option<TransmissionExtras>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        sheen: Option<SheenExtras>,
     },
     Mirror {
         albedo: Triple,
@@ -61,6 +63,8 @@ pub(crate) enum MaterialExtras {
         /// Weight and roughness.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         clearcoat: Option<[Exact; 2]>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        sheen: Option<SheenExtras>,
     },
     Glass {
         ior: Exact,
@@ -105,6 +109,8 @@ pub(crate) enum MaterialExtras {
         anisotropy: Option<[Exact; 2]>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         diffuse_transmission: Option<TransmissionExtras>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        sheen: Option<SheenExtras>,
     },
 }
 
@@ -123,20 +129,35 @@ impl TransmissionExtras {
     }
 }
 
+/// Sheen: colour and roughness.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SheenExtras {
+    color: Triple,
+    roughness: Exact,
+}
+
+impl SheenExtras {
+    fn new(desc: &MaterialDesc) -> Option<Self> {
+        let found = Self { color: exact(desc.sheen_color), roughness: Exact(desc.sheen_roughness) };
+        (desc.sheen_color != [0.0; 3]).then_some(found)
+    }
+}
+
 impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
         let MaterialDesc { surface, emission, emits_both_sides, priority, textures, .. } = desc;
         let textures = TexturesExtras::new(textures);
         let clearcoat = (desc.clearcoat > 0.0).then_some([Exact(desc.clearcoat), Exact(desc.clearcoat_roughness)]);
-        let diffuse_transmission = TransmissionExtras::new(desc);
+        let (diffuse_transmission, sheen) = (TransmissionExtras::new(desc), SheenExtras::new(desc));
         let (emission, emits_both_sides) = (exact(*emission), *emits_both_sides);
         match *surface {
             Surface::Lambert { albedo } => {
                 let albedo = exact(albedo);
-                Self::Lambert { albedo, emission, emits_both_sides, textures, clearcoat, diffuse_transmission }
+                Self::Lambert { albedo, emission, emits_both_sides, textures, clearcoat, diffuse_transmission, sheen }
             }
             Surface::Mirror { reflectance } => {
-                Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides, textures, clearcoat }
+                Self::Mirror { albedo: exact(reflectance), emission, emits_both_sides, textures, clearcoat, sheen }
             }
             Surface::Dielectric { ior, absorption, tint, roughness } => Self::Glass {
                 ior: Exact(ior),
@@ -166,6 +187,7 @@ impl MaterialExtras {
                 anisotropy: (desc.anisotropy > 0.0)
                     .then_some([Exact(desc.anisotropy), Exact(desc.anisotropy_rotation)]),
                 diffuse_transmission,
+                sheen,
                 specular_color: (desc.specular_color != [1.0; 3]).then(|| exact(desc.specular_color)),
                 emission,
                 emits_both_sides,
@@ -198,6 +220,12 @@ impl MaterialExtras {
             Self::Lambert { diffuse_transmission: Some(found), .. }
             | Self::Glossy { diffuse_transmission: Some(found), .. } => (found.factor.0, plain(found.color)),
             _ => (0.0, [1.0; 3]),
+        };
+        let (sheen_color, sheen_roughness) = match &self {
+            Self::Lambert { sheen: Some(found), .. }
+            | Self::Mirror { sheen: Some(found), .. }
+            | Self::Glossy { sheen: Some(found), .. } => (plain(found.color), found.roughness.0),
+            _ => ([0.0; 3], 0.0),
         };
         let specular_color = match &self {
             Self::Glossy { specular_color: Some(color), .. } => plain(*color),
@@ -237,7 +265,7 @@ impl MaterialExtras {
         let emission = plain(emission);
         let base = MaterialDesc::new(name, surface).with_specular_color(specular_color);
         let base = base.with_clearcoat(clearcoat, clearcoat_roughness).with_anisotropy(anisotropy, rotation);
-        let base = base.with_diffuse_transmission(share, color);
+        let base = base.with_diffuse_transmission(share, color).with_sheen(sheen_color, sheen_roughness);
         Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..base })
     }
 }

@@ -218,14 +218,15 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
         roughness,
         ..of(MaterialKind::Glossy)
     };
+    let has_sheen = desc.sheen_color != [0.0; 3];
     match desc.surface {
-        // Under a clearcoat, a reflection of their own is only that of the clearcoat, or as narrow as any.
+        // Under a clearcoat or a sheen, a reflection of their own is only that of the layer, or as narrow as any.
         Surface::Lambert { albedo } | Surface::Glossy { base_color: albedo, metallic: 0.0, specular: 0.0, .. }
-            if desc.clearcoat > 0.0 || desc.diffuse_transmission > 0.0 =>
+            if desc.clearcoat > 0.0 || desc.diffuse_transmission > 0.0 || has_sheen =>
         {
             glossy(albedo, 0.0, 1.0)
         }
-        Surface::Mirror { reflectance } if desc.clearcoat > 0.0 => glossy(reflectance, 1.0, 0.0),
+        Surface::Mirror { reflectance } if desc.clearcoat > 0.0 || has_sheen => glossy(reflectance, 1.0, 0.0),
         Surface::Lambert { albedo } => Material { albedo: colour(albedo), ..of(MaterialKind::Lambert) },
         Surface::Mirror { reflectance } => Material { albedo: colour(reflectance), ..of(MaterialKind::Mirror) },
         // A solid material that no triangle uses does not take one of the 255 media; without a medium it is no solid.

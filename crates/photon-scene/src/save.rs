@@ -181,6 +181,7 @@ impl File {
             "KHR_materials_diffuse_transmission",
             "KHR_materials_emissive_strength",
             "KHR_materials_ior",
+            "KHR_materials_sheen",
             "KHR_materials_specular",
             "KHR_materials_transmission",
             "KHR_materials_volume",

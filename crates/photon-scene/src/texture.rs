@@ -152,6 +152,10 @@ pub struct TexturesDesc {
     pub diffuse_transmission: Option<TextureRef>,
     /// Its colour multiplies [`crate::MaterialDesc::diffuse_transmission_color`].
     pub diffuse_transmission_color: Option<TextureRef>,
+    /// Its colour multiplies [`crate::MaterialDesc::sheen_color`].
+    pub sheen_color: Option<TextureRef>,
+    /// Its alpha multiplies [`crate::MaterialDesc::sheen_roughness`]; its colours are not read.
+    pub sheen_roughness: Option<TextureRef>,
 }
 
 impl Default for TexturesDesc {
@@ -173,6 +177,8 @@ impl Default for TexturesDesc {
             anisotropy: None,
             diffuse_transmission: None,
             diffuse_transmission_color: None,
+            sheen_color: None,
+            sheen_roughness: None,
         }
     }
 }
@@ -262,6 +268,18 @@ impl TexturesDesc {
         Self { diffuse_transmission_color: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::sheen_color`].
+    #[must_use]
+    pub fn with_sheen_color(self, texture: TextureRef) -> Self {
+        Self { sheen_color: Some(texture), ..self }
+    }
+
+    /// The same with this texture as [`Self::sheen_roughness`].
+    #[must_use]
+    pub fn with_sheen_roughness(self, texture: TextureRef) -> Self {
+        Self { sheen_roughness: Some(texture), ..self }
+    }
+
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
         let all = [
@@ -278,6 +296,8 @@ impl TexturesDesc {
             ("anisotropy", self.anisotropy),
             ("diffuse_transmission", self.diffuse_transmission),
             ("diffuse_transmission_color", self.diffuse_transmission_color),
+            ("sheen_color", self.sheen_color),
+            ("sheen_roughness", self.sheen_roughness),
         ];
         all.into_iter().filter_map(|(name, used)| Some((name, used?)))
     }

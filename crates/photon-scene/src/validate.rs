@@ -81,11 +81,13 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
     not_negative("emission", desc.emission)?;
     not_negative("specular_color", desc.specular_color)?;
     fractions("diffuse_transmission_color", desc.diffuse_transmission_color)?;
+    fractions("sheen_color", desc.sheen_color)?;
     let shares = [
         ("clearcoat", desc.clearcoat),
         ("clearcoat_roughness", desc.clearcoat_roughness),
         ("anisotropy", desc.anisotropy),
         ("diffuse_transmission", desc.diffuse_transmission),
+        ("sheen_roughness", desc.sheen_roughness),
     ];
     for (name, share) in shares {
         require((0.0..=1.0).contains(&share), name, share, "it must lie between 0 and 1")?;

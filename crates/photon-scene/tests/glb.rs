@@ -53,6 +53,9 @@ fn everything() -> SceneBuilder {
         MaterialDesc::mirror("sealed mirror", [0.9, third, 0.1]).with_clearcoat(third, 0.0),
         MaterialDesc::plastic("plastic", [third, 0.9, 0.1], third),
         MaterialDesc::plastic("leaf", [third, 0.9, 0.1], third).with_diffuse_transmission(third, [0.1, third, 1.0]),
+        MaterialDesc::lambert("cloth", [third, 0.9, 0.1]).with_sheen([0.1, third, 1.0], third),
+        MaterialDesc::mirror("silk", [third, 0.9, 0.1]).with_sheen([0.0, third, 0.0], 0.0).with_clearcoat(third, third),
+        MaterialDesc::metal("velvet", [0.9, third, 0.1], third).with_sheen([third; 3], 1.0),
         MaterialDesc::lambert("paper", [third, 0.9, 0.1]).with_diffuse_transmission(1.0, [0.0, third, 0.0]),
         MaterialDesc::new(
             "varnish",

@@ -80,6 +80,9 @@ fn everything() -> SceneBuilder {
     worn_paint.diffuse_transmission = third;
     worn_paint.textures.diffuse_transmission = Some(TextureRef::new(holes).with_transform(turned));
     worn_paint.textures.diffuse_transmission_color = Some(TextureRef::new(tiles));
+    (worn_paint.sheen_color, worn_paint.sheen_roughness) = ([third, 1.0, 0.1], third);
+    worn_paint.textures.sheen_color = Some(TextureRef::new(tiles).with_transform(turned));
+    worn_paint.textures.sheen_roughness = Some(TextureRef::new(holes));
     let mut even_paint = MaterialDesc::plastic("even paint", [third, 0.9, 0.1], third);
     even_paint.textures.metallic_roughness =
         Some(TextureRef::new(scene.texture(TextureDesc::linear8("even", 1, 1, &[[0, 100, 255, 255]]))));

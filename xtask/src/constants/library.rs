@@ -1,9 +1,9 @@
 //! Numbers of algorithms in photon-core and photon-scene that have a twin in GLSL.
 
 use photon_core::{
-    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, RoughGlassTable, anisotropy, area,
-    clearcoat, ggx, glossy, kd_tree, light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass,
-    shading_normal, solid_angle,
+    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, RoughGlassTable, SheenTable, anisotropy,
+    area, clearcoat, ggx, glossy, kd_tree, light_sampler, light_tree, neighbour_radius, octahedral, offset,
+    rough_glass, shading_normal, sheen, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -123,6 +123,15 @@ pub(super) fn groups() -> Vec<Group> {
                 ("CLEARCOAT_LOWER_F90", clearcoat::STEPS[2].into()),
                 ("CLEARCOAT_WEIGHT", clearcoat::STEPS[3].into()),
                 ("CLEARCOAT_ROUGHNESS", clearcoat::STEPS[4].into()),
+            ],
+        ),
+        (
+            "sheen, SheenTable.",
+            vec![
+                ("SHEEN_MIN_ROUGHNESS", sheen::MIN_ROUGHNESS.into()),
+                ("SHEEN_MIN_COSINE", sheen::MIN_COSINE.into()),
+                ("SHEEN_TABLE_SIZE", (SheenTable::SIZE as u32).into()),
+                ("SHEEN_NODES", sheen::NODES.into()),
             ],
         ),
         (

@@ -16,7 +16,7 @@ pub(crate) struct CpuEmitter;
 
 impl Emitter<Cpu> for CpuEmitter {
     fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
-        if scene.present.contains(Features::TEXTURED_LIGHTS) {
+        if scene.present.intersects(UNEVEN) {
             emit::<true>(on, scene, batch, rays);
         } else {
             emit::<false>(on, scene, batch, rays);
@@ -25,7 +25,10 @@ impl Emitter<Cpu> for CpuEmitter {
     }
 }
 
-/// Emits photons; with `TEXTURED`, the emission of some area lights is textured.
+/// Area lights whose photons differ in power.
+const UNEVEN: Features = Features::TEXTURED_LIGHTS.union(Features::COATED_LIGHTS);
+
+/// Emits photons; with `TEXTURED`, the emission of some area lights is textured, or under a clearcoat.
 fn emit<const TEXTURED: bool>(on: &Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) {
     each(on, batch, Domain::Photon, rays, |sampler, path| {
         let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
@@ -53,7 +56,7 @@ impl CpuAimedEmitter {
 
 impl Emitter<Cpu> for CpuAimedEmitter {
     fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
-        if scene.present.contains(Features::TEXTURED_LIGHTS) {
+        if scene.present.intersects(UNEVEN) {
             aim::<true>(on, scene, batch, rays, &self.projection);
         } else {
             aim::<false>(on, scene, batch, rays, &self.projection);
@@ -152,13 +155,17 @@ fn leave<const AIMED: bool, const TEXTURED: bool>(
             let primitive = light.primitive as usize;
             let (u, v) = sampling::triangle(a, b);
             let point = offset::within(scene.vertices[primitive], scene.margins[primitive], u, v);
-            if TEXTURED {
+            if TEXTURED && scene.present.contains(Features::TEXTURED_LIGHTS) {
                 power = (Vec3::from(power) * scene.emission_ratio(light, u, v)).to_array();
             }
             let front = Vec3::from(scene.primitives[primitive].normal);
             back = light.flags & Light::BOTH_SIDES != 0 && side >> 31 == 1;
             let normal = if back { -front } else { front };
-            (offset::off_surface(point, normal), sampling::cosine_hemisphere(normal, c, d))
+            let direction = sampling::cosine_hemisphere(normal, c, d);
+            if TEXTURED && scene.present.contains(Features::COATED_LIGHTS) {
+                power = (Vec3::from(power) * scene.emission_through(light.primitive, (u, v), direction)).to_array();
+            }
+            (offset::off_surface(point, normal), direction)
         }
     };
     PhotonRay {

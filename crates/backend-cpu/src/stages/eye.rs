@@ -233,6 +233,9 @@ impl Eye<'_> {
         let emits = material.is_emissive() && !REFLECTIONS;
         if emits && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
             let mut throughput = seen();
+            if SHADED && self.scene.present.contains(Features::COATED_LIGHTS) {
+                throughput *= self.scene.emission_through(hit.primitive, (hit.u, hit.v), -path.ray.direction);
+            }
             if SHADED && path.reflected.pdf > 0.0 {
                 let light = light_of_triangle(&self.scene.lights, hit.primitive);
                 throughput *= self.share(path, light, self.pdf_of_light(path, light, surface.t));

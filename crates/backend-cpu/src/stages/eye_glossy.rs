@@ -51,6 +51,8 @@ pub(crate) struct Leaves {
     transmitted: (f32, Vec3),
     /// Of the reflection of a clearcoat, left instead with its probability.
     clearcoat: Option<(f32, Vec3, [u32; 2])>,
+    /// Of a sheen, left instead with its probability, if not that of the clearcoat.
+    sheen: Option<(f32, Vec3, [u32; 2])>,
     /// From [`anisotropy::pack`], in scenes with anisotropy.
     anisotropy: Option<u32>,
 }
@@ -66,6 +68,7 @@ impl Leaves {
             words: [media.bits(), glossy.coat().bits()],
             transmitted: (glossy.transmission_probability(), glossy.transmitted() * seen),
             clearcoat: None,
+            sheen: None,
             anisotropy: None,
         }
     }
@@ -75,7 +78,7 @@ impl Leaves {
         material: &Material,
         layers: &Layers,
         glossy: &Glossy,
-        seen: Vec3,
+        mut seen: Vec3,
         anisotropy: Option<u32>,
     ) -> Self {
         let (words, factor) = ReflectionLobe::pack(material, layers);
@@ -85,9 +88,17 @@ impl Leaves {
         if share > 0.0 {
             let (words, factor) = ReflectionLobe::pack_clearcoat(layers);
             clearcoat = Some((share, seen * factor / share, words));
-            throughput *= glossy.clearcoat_through() / (1.0 - share).max(f32::EPSILON);
+            let passed = glossy.clearcoat_through() / (1.0 - share).max(f32::EPSILON);
+            seen *= passed;
+            throughput *= passed;
         }
-        Self { first: 0.5, throughput, scale: 1.0, words, transmitted: (0.0, Vec3::ZERO), clearcoat, anisotropy }
+        let own = glossy.sheen_probability();
+        let mut sheen = None;
+        if own > 0.0 {
+            sheen = Some((own, seen * layers.sheen_color / own, ReflectionLobe::pack_sheen(layers)));
+            throughput *= glossy.sheen_through() / (1.0 - own).max(f32::EPSILON);
+        }
+        Self { first: 0.5, throughput, scale: 1.0, words, transmitted: (0.0, Vec3::ZERO), clearcoat, sheen, anisotropy }
     }
 }
 
@@ -181,9 +192,13 @@ impl Eye<'_> {
             let share = if splits { 1.0 } else { 1.0 - first };
             let choice = unit_f32(choice);
             let choice = if splits { choice } else { glossy::rest_of(choice, first) };
-            let (left, words, packed, normal) = match leaves.clearcoat {
-                Some((probability, throughput, words)) if choice < probability => {
+            let above = leaves.clearcoat.map_or(0.0, |(probability, ..)| probability);
+            let (left, words, packed, normal) = match (leaves.clearcoat, leaves.sheen) {
+                (Some((probability, throughput, words)), _) if choice < probability => {
                     (throughput, words, leaves.anisotropy.and(Some(0)), glossy.coat_normal(at.normal))
+                }
+                (_, Some((probability, throughput, words))) if glossy::rest_of(choice, above) < probability => {
+                    (throughput, words, leaves.anisotropy.and(Some(0)), at.normal)
                 }
                 _ => (leaves.throughput, leaves.words, leaves.anisotropy, at.normal),
             };

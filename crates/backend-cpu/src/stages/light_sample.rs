@@ -28,7 +28,7 @@ impl LightSample {
 }
 
 /// Samples a point on a light as seen from `from`, a point just above the surface. `None` if the light faces the other
-/// way. `SHADED`: the light may be textured.
+/// way. `SHADED`: the light may be textured, or under a clearcoat.
 #[inline(always)]
 pub(crate) fn sample<const SHADED: bool>(
     scene: &CpuScene,
@@ -69,6 +69,9 @@ pub(crate) fn sample<const SHADED: bool>(
     let distance = squared.sqrt();
     let direction = gap / distance;
     let ray = Ray { origin: from, direction, t_max: distance };
+    if SHADED && light.kind == Light::TRIANGLE && scene.present.contains(Features::COATED_LIGHTS) {
+        power *= scene.emission_through(light.primitive, (b, c), -direction);
+    }
     // A two-sided light emits half its power on each side; only the side facing the query counts.
     let sides = if light.flags & Light::BOTH_SIDES != 0 { 0.5 } else { 1.0 };
     if solid_angle > 0.0 {

@@ -23,6 +23,9 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let mut scene = SceneBuilder::new();
     let plate = scene.material(MaterialDesc::metal("plate", [0.9, 0.6, 0.3], 0.5));
     scene.quad("plate", [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0]], plate);
+    // A sheen, whose table is uploaded with it.
+    let cloth = scene.material(MaterialDesc::lambert("cloth", [0.5; 3]).with_sheen([1.0; 3], 0.5));
+    scene.quad("cloth", [[-2.0, -1.0, -2.0], [-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0]], cloth);
     scene.light("point", photon_scene::LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [1.0; 3] });
     scene.build().unwrap()
 });
@@ -65,6 +68,15 @@ pub(super) fn rows() -> Vec<Row> {
         }),
         row("glossy_sample, clearcoat's normal", 15, Bound::Within(1e-3), world, |i| {
             drawn_from(i, &coated(i, i.float(8)), i.float(8))
+        }),
+        // Sines and cosines of half vectors: off by 5e-7, with exponents up to 102 of a logarithm that is off by 5e-7.
+        row("glossy_new, sheen", 16, Bound::Within(1e-4), world, |i| clothed_parts(i, i.float(9))),
+        row("glossy_evaluate, sheen", 17, Bound::Relative(2e-4), world, |i| {
+            evaluated(i, &clothed(i), i.vector(0), i.vector(4))
+        }),
+        row("glossy_sample, sheen", 18, Bound::Within(1e-3), world, |i| sampled(i, &clothed(i), i.float(8))),
+        row("lobe_weight, sheen", 19, Bound::Conditioned(2e-4, "its condition", of_cloth), world, |i| {
+            cloth_lobe(i, i.vector(0), i.vector(4))
         }),
         row("lobe_weight, anisotropic", 12, Bound::Relative(1e-4), world, |i| {
             lobe(i, &anisotropic(i), i.vector(0), i.vector(4))
@@ -141,6 +153,30 @@ fn layers(i: &Input) -> Layers {
 /// The same with anisotropy, in any direction.
 fn anisotropic(i: &Input) -> Layers {
     layers(i).with_anisotropy(0.7, Vec3::new(i.float(8), i.float(9), 0.3))
+}
+
+/// With a sheen of a roughness between 0 and 1.
+fn clothed(i: &Input) -> Layers {
+    layers(i).with_sheen(Vec3::new(0.9, 0.5, 0.2), i.float(8))
+}
+
+fn clothed_parts(i: &Input, cosine: f32) -> Output {
+    let glossy = glossy(i, &clothed(i));
+    let [r, g, b] = glossy.diffuse().to_array();
+    let entering = glossy.coat().entering(cosine) / 16.0;
+    output([r, g, b, glossy.specular_probability(), glossy.sheen_probability(), entering, glossy.sheen_through()])
+}
+
+/// The value, and 1e-4: those of the narrowest lobes end among denormals.
+fn of_cloth(i: &Input) -> f64 {
+    let lobe = ReflectionLobe::new(ReflectionLobe::pack_sheen(&clothed(i)), i.vector(0), NORMAL);
+    1e-4 + f64::from(lobe.weight(i.vector(4), GEOMETRIC).x)
+}
+
+fn cloth_lobe(i: &Input, wo: Vec3, wi: Vec3) -> Output {
+    let lobe = ReflectionLobe::new(ReflectionLobe::pack_sheen(&clothed(i)), wo, NORMAL);
+    let [r, g, b] = lobe.weight(wi, GEOMETRIC).to_array();
+    output([r, g, b])
 }
 
 fn glossy(i: &Input, layers: &Layers) -> Glossy {
@@ -239,6 +275,11 @@ fn glossy_surfaces_are_those_of_rust() {
             14 => |i| value(i, &coated(i, 1.0 - i.float(8)), i.vector(0), i.vector(4)),
             15 => |i| drawn_from(i, &coated(i, i.float(8)), i.float(8) * 0.99),
             11 => |i| sampled(i, &layers(i), i.float(8)),
+            16 => |i| clothed_parts(i, i.float(8)),
+            // Without the sheen.
+            17 => |i| evaluated(i, &layers(i), i.vector(0), i.vector(4)),
+            18 => |i| sampled(i, &layers(i), i.float(8)),
+            19 => |i| cloth_lobe(i, i.vector(0), i.vector(0)),
             _ => |i| lobe(i, &layers(i), i.vector(0), i.vector(4)),
         };
         assert!(worst_of(&mut on, &row, &inputs, &outputs).is_err(), "{}", row.name);

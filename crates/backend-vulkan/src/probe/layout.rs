@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::light_tree::LightNode;
 use photon_core::{
     Anisotropy, Camera, ClearcoatNormal, DiffuseTransmission, Element, ErrorMoments, Estimate, Light, Material,
-    MaterialTextures, Medium, Photon, PhotonRay, Primitive, Query, TextureUse,
+    MaterialTextures, Medium, Photon, PhotonRay, Primitive, Query, SheenLayer, TextureUse,
 };
 
 use super::spirv::{Member, Shape, structs};
@@ -61,6 +61,7 @@ fn records() -> Vec<Record> {
             clearcoat_roughness_factor clearcoat clearcoat_roughness anisotropy),
         record!(Anisotropy: strength direction texture),
         record!(DiffuseTransmission: color factor color_texture factor_texture reserved),
+        record!(SheenLayer: color roughness color_texture roughness_texture reserved),
         record!(ClearcoatNormal: is_own texture scale reserved),
         record!(LightNode: center radius intensity axis cone next),
     ]

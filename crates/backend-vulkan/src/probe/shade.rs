@@ -40,6 +40,9 @@ pub(super) fn rows() -> Vec<Row> {
         row("shade, clearcoat's normal", 9, Bound::Within(2e-5), hit, |i| {
             four_of(shaded(i, [i.float(0), i.float(1)]).layers.coat_normal)
         }),
+        row("shade, sheen", 10, Bound::Bits, hit, |i| sheen(&shaded(i, [i.float(0), i.float(1)]))),
+        // The normal as below, times the slope of the albedo over the cosine, which is below 10 from a cosine of 1e-3 on.
+        row("emission_through", 11, Bound::Within(2e-4), emitted, |i| through(i, i.vector(6))),
         // Vertex normals and tangents are off by 1e-6, a perpendicular of the tangent by four times that, and its
         // length is at least 0.5.
         row("shade, normal", 5, Bound::Within(2e-5), hit, |i| four_of(shaded(i, [i.float(0), i.float(1)]).normal)),
@@ -168,6 +171,27 @@ fn transmission(shaded: &Shaded) -> Output {
     output([r, g, b, shaded.layers.diffuse_transmission])
 }
 
+fn sheen(shaded: &Shaded) -> Output {
+    let [r, g, b] = shaded.layers.sheen_color.to_array();
+    output([r, g, b, shaded.layers.sheen_roughness])
+}
+
+/// A point of a triangle, and a direction from it.
+fn emitted(d: &mut Draw) -> Input {
+    let mut made = hit(d);
+    let direction = d.direction().to_array();
+    (made.0[6], made.0[7], made.0[8]) = (direction[0].to_bits(), direction[1].to_bits(), direction[2].to_bits());
+    made
+}
+
+/// What the clearcoat lets through.
+fn through(i: &Input, direction: Vec3) -> Output {
+    let primitive = SHADED.primitives[i.0[5] as usize];
+    let material = &SHADED.materials[primitive.material as usize];
+    let (front, at) = (Vec3::from(primitive.normal), (i.float(0), i.float(1)));
+    output([tables().emission_through(i.0[5] as usize, at, material, front, direction); 4])
+}
+
 fn colors(shaded: &Shaded) -> Output {
     let ([r, g, b], [x, y, z]) = (shaded.material.albedo, shaded.material.emission);
     output([r, g, b, shaded.material.roughness, x, y, z, shaded.material.metallic])
@@ -219,6 +243,8 @@ fn hits_are_shaded_as_in_rust() {
             4 => |i| colors(&shaded(i, [i.float(1), i.float(0)])),
             9 => |i| four_of(shaded(i, [i.float(1), i.float(0)]).layers.coat_normal),
             8 => |i| transmission(&shaded(i, [i.float(1), i.float(0)])),
+            10 => |i| sheen(&shaded(i, [i.float(1), i.float(0)])),
+            11 => |i| through(i, i.vector(5)),
             6 => |i| specular(&shaded(i, [i.float(1), i.float(0)])),
             _ => |i| four_of(shaded(i, [i.float(1), i.float(0)]).normal),
         };

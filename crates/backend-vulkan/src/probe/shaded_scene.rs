@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 use photon_core::glam::Vec3;
 use photon_core::{
     Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, Light, Material, MaterialKind, MaterialTextures,
-    OwnedShadingTables, Primitive, SceneView, ShadingTables, TexelFormat, Texture, TextureUse, Wrap, octahedral,
-    sampling,
+    OwnedShadingTables, Primitive, SceneView, ShadingTables, SheenLayer, TexelFormat, Texture, TextureUse, Wrap,
+    octahedral, sampling,
 };
 use photon_scene::CompressedTree;
 
@@ -109,7 +109,7 @@ impl ShadedScene {
     fn add_materials(&mut self, d: &mut Draw) {
         let none = MaterialTextures::NONE;
         let images = self.shading.textures.len() as u32 - 4;
-        let (mut of_specular, mut of_leaves) = (Draw::of(0, 4), Draw::of(0, 6));
+        let (mut of_specular, mut of_leaves, mut of_cloth) = (Draw::of(0, 4), Draw::of(0, 6), Draw::of(0, 7));
         for index in 0..12 {
             let mut image = || if d.now_and_then() { none } else { d.word() % images };
             let (base_color, emission, metallic_roughness) = (image(), image(), image());
@@ -143,6 +143,12 @@ impl ShadedScene {
             let texture = if index % 4 == 1 { images + index % 3 } else { none };
             let coat = ClearcoatNormal { is_own: index % 2, texture, scale: 0.7, reserved: 0 };
             self.shading.clearcoat_normals.push(coat);
+            let mut used = || if of_cloth.now_and_then() { none } else { of_cloth.word() % images };
+            let (color_texture, roughness_texture) = (used(), used());
+            let color = [(); 3].map(|()| of_cloth.unit());
+            let roughness = of_cloth.unit();
+            let cloth = SheenLayer { color, roughness, color_texture, roughness_texture, ..SheenLayer::NONE };
+            self.shading.sheens.push(if index % 3 == 2 { SheenLayer::NONE } else { cloth });
             // Those without any are not read.
             self.shading.diffuse_transmissions.push(if factor > 0.0 { leaf } else { DiffuseTransmission::NONE });
             let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];
@@ -196,7 +202,10 @@ fn the_scene_has_what_is_read() {
     let view = SHADED.view();
     view.validate().unwrap();
     let read = Features::SHADED.without(Features::ROUGH_GLASS);
-    assert!(Features::of(&view).contains(read.union(Features::TEXTURED_LIGHTS).union(Features::ALPHA)));
+    assert!(
+        Features::of(&view)
+            .contains(read.union(Features::TEXTURED_LIGHTS).union(Features::COATED_LIGHTS).union(Features::ALPHA))
+    );
     let mut slots = SHADED.slots.clone();
     slots.sort_unstable();
     assert!(slots.iter().copied().eq(0..TRIANGLES) && slots != SHADED.slots, "{slots:?}");

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::texture::byte_values;
-use photon_core::{AlbedoTable, Features, Result, RoughGlassTable, SceneView, Texture};
+use photon_core::{AlbedoTable, Features, Result, RoughGlassTable, SceneView, SheenTable, Texture};
 
 use super::{BLOCK, Upload};
 
@@ -24,6 +24,7 @@ struct Record {
     anisotropies: u64,
     diffuse_transmissions: u64,
     clearcoat_normals: u64,
+    sheens: u64,
 }
 
 /// `Texture` of texture.glsl.
@@ -70,12 +71,18 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
         if !tables.clearcoat_normals.is_empty() {
             record.clearcoat_normals = upload.table("textures", tables.clearcoat_normals)?;
         }
+        if !tables.sheens.is_empty() {
+            record.sheens = upload.table("textures", tables.sheens)?;
+        }
         record.values = upload.table("textures", byte_values().as_flattened())?;
     }
     if followed {
         let glass = RoughGlassTable::new(view)?;
         record.rough_ratios = glass.len() as u32;
-        let entries: Vec<[f32; 2]> = AlbedoTable::get().entries().iter().copied().chain(glass.all()).collect();
+        let mut entries: Vec<[f32; 2]> = AlbedoTable::get().entries().iter().copied().chain(glass.all()).collect();
+        if Features::of(view).contains(Features::SHEEN) {
+            entries.extend_from_slice(bytemuck::cast_slice(SheenTable::get().entries()));
+        }
         record.albedos = upload.table("albedos of glossy surfaces", &entries)?;
     }
     upload.table("scene", &[record])

@@ -71,6 +71,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 shading_normals: self.shading_normals,
                 reflection: slot.reflected,
                 anisotropy: slot.reflected && self.anisotropy,
+                sheen: slot.reflected && self.sheen,
                 ..radii::gather(&self.settings, slot.radius, index)
             };
             let MapSlot { kind, reflected, .. } = *slot;

@@ -46,6 +46,8 @@ pub struct Pipeline<B: TransportBackend> {
     shading_normals: bool,
     /// Whether the scene has anisotropic surfaces.
     anisotropy: bool,
+    /// Whether it has sheen.
+    sheen: bool,
     settings: Settings,
     /// Paths per pass in the settings, even if fewer fit into memory.
     asked: u32,
@@ -237,6 +239,7 @@ impl<B: TransportBackend> Pipeline<B> {
             required,
             shading_normals: Features::of(scene).contains(Features::SHADING_NORMALS),
             anisotropy: Features::of(scene).contains(Features::ANISOTROPY),
+            sheen: Features::of(scene).contains(Features::SHEEN),
             asked: settings.photons,
             settings,
             view,

@@ -74,5 +74,6 @@ pub(crate) fn gather(settings: &Settings, radius: f32, index: u32) -> EstimatePa
         shading_normals: false,
         reflection: false,
         anisotropy: false,
+        sheen: false,
     }
 }

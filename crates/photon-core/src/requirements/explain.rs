@@ -36,6 +36,10 @@ const ANISOTROPY: &str = "a frame of tangents at each of its surfaces; anisotrop
 const DIFFUSE_TRANSMISSION: &str = "a second query at each of its surfaces, for the light on the other side; \
                                     diffuse_transmission = 0 in an override file removes it";
 
+/// What sheen costs, and how to do without.
+const SHEEN: &str = "a second reflection at each of its surfaces, which camera paths follow; sheen = 0 in an override file \
+                     removes it";
+
 /// What rough glass costs, and how to do without.
 const ROUGH_GLASS: &str = "camera paths sample a light at each of its surfaces, on one of the two sides; roughness = 0 in an \
                            override file makes it smooth";
@@ -73,6 +77,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 }
                 (triangles, _) if feature == Features::DIFFUSE_TRANSMISSION => {
                     format!("{}; {DIFFUSE_TRANSMISSION}", counted(triangles, "triangle"))
+                }
+                (triangles, _) if feature == Features::SHEEN => {
+                    format!("{}; {SHEEN}", counted(triangles, "triangle"))
                 }
                 (triangles, _) if feature == Features::ROUGH_GLASS => {
                     format!("{}; {ROUGH_GLASS}", counted(triangles, "triangle"))

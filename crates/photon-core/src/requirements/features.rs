@@ -63,6 +63,10 @@ bitflags! {
         const DIFFUSE_TRANSMISSION = 1 << 24;
         /// Clearcoats with normals of their own.
         const CLEARCOAT_NORMALS = 1 << 25;
+        /// Emission under clearcoats.
+        const COATED_LIGHTS = 1 << 26;
+        /// Sheen: cloth.
+        const SHEEN = 1 << 27;
     }
 }
 
@@ -82,7 +86,8 @@ impl Features {
         .union(Self::CLEARCOAT)
         .union(Self::ANISOTROPY)
         .union(Self::DIFFUSE_TRANSMISSION)
-        .union(Self::CLEARCOAT_NORMALS);
+        .union(Self::CLEARCOAT_NORMALS)
+        .union(Self::SHEEN);
     /// Where camera paths sample lights, and go on.
     pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);
     /// All lobes that are not diffuse.
@@ -116,6 +121,8 @@ impl Features {
         "anisotropy",
         "diffuse-transmission",
         "clearcoat-normals",
+        "coated-lights",
+        "sheen",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

@@ -188,11 +188,13 @@ pub(crate) fn has_gloss_caustics(scene: &SceneView<'_>) -> bool {
 /// Whether camera paths and photons go on from a material by reflection or refraction: a sheet that transmits diffusely may
 /// have a base alone.
 pub(crate) fn reflects(material: &Material, scene: &SceneView<'_>) -> bool {
-    let textures = (material.textures as usize).checked_sub(1);
-    let textures = textures.and_then(|index| scene.shading.material_textures.get(index));
+    let index = (material.textures as usize).checked_sub(1);
+    let textures = index.and_then(|index| scene.shading.material_textures.get(index));
+    let sheen = index.and_then(|index| scene.shading.sheens.get(index));
     let is_matte = material.flags & Material::DIFFUSE_TRANSMISSION != 0
         && (material.metallic, material.specular) == (0.0, 0.0)
-        && textures.is_none_or(|textures| textures.clearcoat_factor == 0.0);
+        && textures.is_none_or(|textures| textures.clearcoat_factor == 0.0)
+        && sheen.is_none_or(|sheen| sheen.color == [0.0; 3]);
     material.is_specular() && !is_matte
 }
 
@@ -233,6 +235,7 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
     let coat = coat.filter(|coat| coat.is_own != 0 && textures.clearcoat_factor > 0.0);
     let transmission = index.and_then(|index| tables.diffuse_transmissions.get(index));
     let transmission = transmission.filter(|entry| entry.factor > 0.0);
+    let sheen = index.and_then(|index| tables.sheens.get(index)).filter(|sheen| sheen.color != [0.0; 3]);
     let all = [
         textures.base_color,
         textures.emission,
@@ -245,11 +248,15 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
         coat.map_or(MaterialTextures::NONE, |coat| coat.texture),
         transmission.map_or(MaterialTextures::NONE, |entry| entry.color_texture),
         transmission.map_or(MaterialTextures::NONE, |entry| entry.factor_texture),
+        sheen.map_or(MaterialTextures::NONE, |sheen| sheen.color_texture),
+        sheen.map_or(MaterialTextures::NONE, |sheen| sheen.roughness_texture),
     ];
     attributes
         .union(when(all.into_iter().any(used), Features::TEXTURES))
         .union(when(is_glossy && textures.has_specular_color(), Features::SPECULAR_COLORS))
         .union(when(is_glossy && textures.clearcoat_factor > 0.0, Features::CLEARCOAT))
+        .union(when(is_glossy && textures.clearcoat_factor > 0.0 && material.is_emissive(), Features::COATED_LIGHTS))
+        .union(when(is_glossy && sheen.is_some(), Features::SHEEN))
         .union(when(is_glossy && anisotropy.is_some(), Features::ANISOTROPY))
         .union(when(is_glossy && coat.is_some(), Features::CLEARCOAT_NORMALS))
         .union(when(is_glossy && transmission.is_some(), Features::DIFFUSE_TRANSMISSION))

@@ -55,6 +55,7 @@ impl SceneView<'_> {
             anisotropies,
             diffuse_transmissions,
             clearcoat_normals,
+            sheens,
             uses,
             textures,
         } = shading;
@@ -78,6 +79,9 @@ impl SceneView<'_> {
         }
         if !clearcoat_normals.is_empty() {
             digest.table(clearcoat_normals);
+        }
+        if !sheens.is_empty() {
+            digest.table(sheens);
         }
         digest.table(uses);
         digest.table(&[textures.len() as u64]);

@@ -10,7 +10,9 @@ use crate::scene::camera::Camera;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
-use crate::scene::texture::{Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, TextureUse};
+use crate::scene::texture::{
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, SheenLayer, TextureUse,
+};
 use crate::shading::light_tree::LightNode;
 
 /// An element type of buffers; its GLSL counterpart has the same offsets.
@@ -183,6 +185,7 @@ elements!(
     MaterialTextures = 64,
     Anisotropy = 16,
     DiffuseTransmission = 32,
+    SheenLayer = 32,
     ClearcoatNormal = 16,
     LightNode = 32,
 );

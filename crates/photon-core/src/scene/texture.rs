@@ -197,6 +197,34 @@ impl DiffuseTransmission {
     };
 }
 
+/// Sheen of a glossy material: [`crate::sheen`].
+// Exhaustive: a record of buffers, whose layout is part of the interface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct SheenLayer {
+    /// Its colour, linear RGB, each channel in `[0, 1]`; 0 is a material without sheen.
+    pub color: [f32; 3],
+    /// Its roughness, in `[0, 1]`.
+    pub roughness: f32,
+    /// Its colour multiplies [`Self::color`]. Index into [`ShadingTables::uses`]; [`MaterialTextures::NONE`] without one.
+    pub color_texture: u32,
+    /// Its alpha multiplies [`Self::roughness`]; likewise.
+    pub roughness_texture: u32,
+    /// 0.
+    pub reserved: [u32; 2],
+}
+
+impl SheenLayer {
+    /// No sheen.
+    pub const NONE: Self = Self {
+        color: [0.0; 3],
+        roughness: 0.0,
+        color_texture: MaterialTextures::NONE,
+        roughness_texture: MaterialTextures::NONE,
+        reserved: [0; 2],
+    };
+}
+
 /// The normal of a clearcoat, where it differs from that of the surface below.
 // Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
@@ -276,6 +304,8 @@ pub struct ShadingTables<'a> {
     pub diffuse_transmissions: &'a [DiffuseTransmission],
     /// As [`Self::material_textures`]; empty if no clearcoat has a normal of its own. Textures need tangents.
     pub clearcoat_normals: &'a [ClearcoatNormal],
+    /// As [`Self::material_textures`]; empty if no material has a sheen.
+    pub sheens: &'a [SheenLayer],
     /// Indexed by the members of [`MaterialTextures`].
     pub uses: &'a [TextureUse],
     /// Indexed by [`TextureUse::texture_index`].
@@ -302,6 +332,8 @@ pub struct OwnedShadingTables {
     pub diffuse_transmissions: Vec<DiffuseTransmission>,
     /// [`ShadingTables::clearcoat_normals`].
     pub clearcoat_normals: Vec<ClearcoatNormal>,
+    /// [`ShadingTables::sheens`].
+    pub sheens: Vec<SheenLayer>,
     /// [`ShadingTables::uses`].
     pub uses: Vec<TextureUse>,
     /// [`ShadingTables::textures`].
@@ -322,6 +354,7 @@ impl OwnedShadingTables {
             anisotropies: &self.anisotropies,
             diffuse_transmissions: &self.diffuse_transmissions,
             clearcoat_normals: &self.clearcoat_normals,
+            sheens: &self.sheens,
             uses: &self.uses,
             textures: &self.textures,
         }
@@ -340,6 +373,7 @@ impl From<&ShadingTables<'_>> for OwnedShadingTables {
             anisotropies: tables.anisotropies.to_vec(),
             diffuse_transmissions: tables.diffuse_transmissions.to_vec(),
             clearcoat_normals: tables.clearcoat_normals.to_vec(),
+            sheens: tables.sheens.to_vec(),
             uses: tables.uses.to_vec(),
             textures: tables.textures.to_vec(),
         }

@@ -7,7 +7,8 @@
 //!   `(1 − S_o) T_o (1 − S_i) T_i` is divided by the mean of the product over the hemisphere;
 //! - a reflection has the factor `min(T_o, T_i)`, which is reciprocal and never gains light.
 //!
-//! So a white diffuse surface with a clearcoat loses nothing, and a white metal at most 5.3 %. Emission is not changed.
+//! So a white diffuse surface with a clearcoat loses nothing, and a white metal at most 5.3 %. Emission from
+//! below is dimmed: [`crate::Shading::emission_through`].
 
 use glam::Vec3;
 

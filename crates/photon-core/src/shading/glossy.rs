@@ -15,6 +15,8 @@
 //! A sheet may transmit light diffusely: a share of its base has the BTDF `(1 − m) f τ/π (1 − S_o)(1 − S_i) / (1 − S̄)`
 //! towards the other side, with the same coat there, and `(1 − f) c` in place of c: `KHR_materials_diffuse_transmission`.
 //!
+//! Over all of these may be a sheen ([`crate::sheen`]), and over that a clearcoat ([`crate::clearcoat`]).
+//!
 //! Single scattering may be anisotropic ([`crate::anisotropy`]); albedos are then those of its equivalent roughness.
 
 use glam::{Vec2, Vec3};
@@ -25,6 +27,7 @@ use crate::shading::anisotropy::{self, Anisotropic};
 use crate::shading::clearcoat::Clearcoat;
 use crate::shading::layers::Layers;
 use crate::shading::shading_normal;
+use crate::shading::sheen::{self, Sheen};
 use crate::shading::{clearcoat, ggx, sampling};
 
 #[cfg(test)]
@@ -77,6 +80,9 @@ impl Coat {
         if self.0 == 0 {
             return 1.0;
         }
+        if sheen::is_packed(self.0) {
+            return sheen::entering(self.0, cosine);
+        }
         if clearcoat::is_packed(self.0) {
             return clearcoat::entering(self.0, cosine);
         }
@@ -117,6 +123,9 @@ pub struct Glossy {
     transmission_probability: f32,
     specular_probability: f32,
     coat: Coat,
+    sheen: Option<Sheen>,
+    /// Probability that the sheen is sampled rather than the reflection below it.
+    sheen_probability: f32,
     clearcoat: Clearcoat,
     /// Its shading normal; 0 for that of the surface below.
     coat_normal: Vec3,
@@ -212,9 +221,23 @@ impl Glossy {
         let multiple_probability =
             if most_specular > 0.0 { multiple_albedo.max_element() / most_specular } else { 0.0 };
         let clearcoat = Clearcoat::of(layers);
+        let sheen = Sheen::of(layers, cosine.min(1.0));
+        let mut sheen_probability = 0.0;
+        if let Some(sheen) = &sheen {
+            coat = Coat(sheen::pack(roughness, coat_f0, weight, sheen, clearcoat));
+            let through = sheen.through();
+            diffuse *= through;
+            transmitted *= through;
+            most_diffuse *= through;
+            let reflected = 1.0 - through;
+            most_specular = reflected + through * most_specular;
+            sheen_probability = if most_specular > 0.0 { reflected / most_specular } else { 0.0 };
+        }
         let (mut under, mut clearcoat_probability) = (1.0, 0.0);
         if clearcoat.weight > 0.0 {
-            coat = Coat(clearcoat::pack(roughness, coat_f0, weight, clearcoat));
+            if sheen.is_none() {
+                coat = Coat(clearcoat::pack(roughness, coat_f0, weight, clearcoat));
+            }
             let above = clearcoat.through(cosine.min(1.0));
             diffuse *= above;
             transmitted *= above;
@@ -245,6 +268,8 @@ impl Glossy {
             transmission_probability,
             specular_probability,
             coat,
+            sheen,
+            sheen_probability,
             clearcoat,
             coat_normal,
             carries_light: false,
@@ -303,6 +328,20 @@ impl Glossy {
         self.through
     }
 
+    /// Probability that [`Self::sample`] samples the sheen, if not the clearcoat.
+    #[inline]
+    #[must_use]
+    pub fn sheen_probability(&self) -> f32 {
+        self.sheen_probability
+    }
+
+    /// What the sheen lets through from the direction of the path; 1 without one.
+    #[inline]
+    #[must_use]
+    pub fn sheen_through(&self) -> f32 {
+        self.sheen.as_ref().map_or(1.0, Sheen::through)
+    }
+
     /// The coats over the base.
     #[inline]
     #[must_use]
@@ -340,6 +379,10 @@ impl Glossy {
             let cosine = i.z * std::f32::consts::FRAC_1_PI;
             value += self.multiple * ((1.0 - (albedo.x + albedo.y)).max(0.0) * cosine);
             pdf = pdf * (1.0 - self.multiple_probability) + cosine * self.multiple_probability;
+        }
+        if let Some(sheen) = &self.sheen {
+            let all = sheen.over(Reflected { value, pdf }, self.sheen_probability, o, i, h);
+            (value, pdf) = (all.value, all.pdf);
         }
         if self.clearcoat.weight > 0.0 {
             let p = self.clearcoat_probability;
@@ -394,8 +437,14 @@ impl Glossy {
     pub fn sample(&self, wo: Vec3, normal: Vec3, u: f32, v: f32) -> (Vec3, Reflected) {
         let (p, top) = (self.multiple_probability, self.clearcoat_probability);
         let is_below = u >= top;
-        let u = if top > 0.0 { rest_of(u, top) } else { u };
-        let wi = if is_below && u < p {
+        let mut u = if top > 0.0 { rest_of(u, top) } else { u };
+        let is_sheen = is_below && u < self.sheen_probability;
+        if is_below && self.sheen_probability > 0.0 {
+            u = rest_of(u, self.sheen_probability);
+        }
+        let wi = if is_sheen {
+            sheen::sample(normal, u, v)
+        } else if is_below && u < p {
             sampling::cosine_hemisphere(normal, u / p, v)
         } else {
             let has_own = !is_below && self.coat_normal != Vec3::ZERO;

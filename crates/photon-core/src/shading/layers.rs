@@ -25,6 +25,10 @@ pub struct Layers {
     pub diffuse_transmission: f32,
     /// Its albedo where all of the base transmits.
     pub transmission_color: Vec3,
+    /// Colour of the sheen, each channel in `[0, 1]`; 0 without one: [`crate::sheen`].
+    pub sheen_color: Vec3,
+    /// Its roughness, in `[0, 1]`.
+    pub sheen_roughness: f32,
 }
 
 impl Layers {
@@ -38,6 +42,8 @@ impl Layers {
         tangent: Vec3::ZERO,
         diffuse_transmission: 0.0,
         transmission_color: Vec3::ONE,
+        sheen_color: Vec3::ZERO,
+        sheen_roughness: 0.0,
     };
 
     /// The same with this [`Self::specular_color`].
@@ -68,6 +74,12 @@ impl Layers {
     #[must_use]
     pub const fn with_diffuse_transmission(self, share: f32, color: Vec3) -> Self {
         Self { diffuse_transmission: share, transmission_color: color, ..self }
+    }
+
+    /// The same with this [`Self::sheen_color`] and [`Self::sheen_roughness`].
+    #[must_use]
+    pub const fn with_sheen(self, color: Vec3, roughness: f32) -> Self {
+        Self { sheen_color: color, sheen_roughness: roughness, ..self }
     }
 
     /// Reflectance at normal incidence of the coat of `material`: its factor times `min(s ((n−1)/(n+1))², 1)`.

@@ -5,7 +5,8 @@
 //! `Σ Φ f(ω_o, ω_i) c(ω_i)/|ω_i·n_g| / (π r²)`: photons arrive with a density in proportion to |ω_i·n_g|, so that the
 //! cosine must not be multiplied once more. The ratio is [`shading_normal::cosine_ratio`].
 //!
-//! Anisotropy is in a third word, [`crate::anisotropy::pack`].
+//! Anisotropy is in a third word, [`crate::anisotropy::pack`]. The words of a sheen are marked as such; its colour is in the
+//! throughput of the query.
 
 use glam::Vec3;
 
@@ -14,7 +15,8 @@ use crate::shading::albedo_table::AlbedoTable;
 use crate::shading::anisotropy::{self, Anisotropic};
 use crate::shading::glossy::multiple_scattering;
 use crate::shading::layers::Layers;
-use crate::shading::{clearcoat, ggx, sampling, shading_normal};
+use crate::shading::sheen_lobe::Charlie;
+use crate::shading::{clearcoat, ggx, sampling, shading_normal, sheen};
 
 /// The reflection of a glossy surface towards one direction.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +33,12 @@ pub struct ReflectionLobe {
     frame: [Vec3; 3],
     /// Towards the viewer, in this frame.
     wo: Vec3,
+    /// That of a sheen instead of all else.
+    sheen: Option<Charlie>,
 }
+
+/// Bits of both words which are 1 only for a sheen: more steps than the root of any F0.
+const SHEEN_MARK: [u32; 2] = [255 << 24, 7 << 29];
 
 /// Steps between 0 and 1 of the roots of colours, and of the share of metal.
 const STEPS: f32 = 255.0;
@@ -116,6 +123,14 @@ impl ReflectionLobe {
         Self::pack(&clearcoat::reflector(layers), &Layers::NONE)
     }
 
+    /// The words of the sheen of `layers`: the throughput must be multiplied by its colour.
+    #[inline]
+    #[must_use]
+    pub fn pack_sheen(layers: &Layers) -> [u32; 2] {
+        let roughness = layers.sheen_roughness.clamp(sheen::MIN_ROUGHNESS, 1.0);
+        [SHEEN_MARK[0], SHEEN_MARK[1] | (roughness * ROUGHNESS_STEPS + 0.5) as u32]
+    }
+
     /// The lobe with these words, towards `wo` at a surface with the shading normal `normal`.
     #[inline]
     #[must_use]
@@ -149,6 +164,8 @@ impl ReflectionLobe {
             multiple,
             frame: [tangent, bitangent, normal],
             wo,
+            sheen: (words[0] & SHEEN_MARK[0] == SHEEN_MARK[0] && words[1] & SHEEN_MARK[1] == SHEEN_MARK[1])
+                .then(|| Charlie::new(parameters.roughness, wo.z.clamp(0.0, 1.0))),
         }
     }
 
@@ -166,6 +183,9 @@ impl ReflectionLobe {
             return Vec3::ZERO;
         }
         let h = half / length;
+        if let Some(sheen) = &self.sheen {
+            return Vec3::splat(sheen.evaluate(o, i, h) * ratio);
+        }
         let across = (1.0 - o.dot(h)).clamp(0.0, 1.0);
         let square = across * across;
         let grazing = square * square * across;

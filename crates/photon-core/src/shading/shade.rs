@@ -72,14 +72,7 @@ impl Shading<'_> {
                 }
             }
             if textures.clearcoat_factor > 0.0 {
-                layers.clearcoat = textures.clearcoat_factor;
-                layers.clearcoat_roughness = textures.clearcoat_roughness_factor;
-                if let Some(color) = self.sample(textures.clearcoat, &corners) {
-                    layers.clearcoat *= color.x;
-                }
-                if let Some(color) = self.sample(textures.clearcoat_roughness, &corners) {
-                    layers.clearcoat_roughness *= color.y;
-                }
+                (layers.clearcoat, layers.clearcoat_roughness) = self.clearcoat(textures, &corners);
             }
             if let Some(anisotropy) = self.tables.anisotropies.get(textures.anisotropy as usize) {
                 let texel = self.sample(anisotropy.texture, &corners);
@@ -104,6 +97,16 @@ impl Shading<'_> {
                     color *= texel;
                 }
                 layers = layers.with_diffuse_transmission(share, color);
+            }
+            if let Some(sheen) = self.tables.sheens.get(index) {
+                let (mut color, mut roughness) = (Vec3::from(sheen.color), sheen.roughness);
+                if let Some(texel) = self.sample(sheen.color_texture, &corners) {
+                    color *= texel;
+                }
+                if let Some([.., alpha]) = self.texel(sheen.roughness_texture, &corners) {
+                    roughness *= alpha;
+                }
+                layers = layers.with_sheen(color, roughness);
             }
             if let Some(texel) = self.sample(textures.normal, &corners) {
                 normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
@@ -164,14 +167,27 @@ impl Shading<'_> {
         Vec3::select(power.cmpgt(Vec3::ZERO), flux / power, Vec3::ZERO)
     }
 
+    /// Weight and roughness of the clearcoat of a material with one.
     #[inline]
-    fn textures_of(&self, material: &Material) -> Option<&MaterialTextures> {
+    pub(super) fn clearcoat(&self, textures: &MaterialTextures, corners: &Corners) -> (f32, f32) {
+        let (mut weight, mut roughness) = (textures.clearcoat_factor, textures.clearcoat_roughness_factor);
+        if let Some(color) = self.sample(textures.clearcoat, corners) {
+            weight *= color.x;
+        }
+        if let Some(color) = self.sample(textures.clearcoat_roughness, corners) {
+            roughness *= color.y;
+        }
+        (weight, roughness)
+    }
+
+    #[inline]
+    pub(super) fn textures_of(&self, material: &Material) -> Option<&MaterialTextures> {
         self.tables.material_textures.get((material.textures as usize).wrapping_sub(1))
     }
 
     /// Red, green and blue of the texture of a use; `None` for [`MaterialTextures::NONE`].
     #[inline]
-    fn sample(&self, index: u32, corners: &Corners) -> Option<Vec3> {
+    pub(super) fn sample(&self, index: u32, corners: &Corners) -> Option<Vec3> {
         self.texel(index, corners).map(|[red, green, blue, _]| Vec3::new(red, green, blue))
     }
 
@@ -187,7 +203,7 @@ impl Shading<'_> {
 
     /// The interpolated vertex normal on the front; the geometric one, `front`, without vertex normals.
     #[inline]
-    fn vertex_normal(&self, corners: &Corners, front: Vec3) -> Vec3 {
+    pub(super) fn vertex_normal(&self, corners: &Corners, front: Vec3) -> Vec3 {
         match self.tables.normals.get(corners.triangle) {
             Some(&[ShadingTables::FLAT, ..]) | None => front,
             Some(packed) => interpolate(packed.map(octahedral::unpack), corners.weights).normalize_or(front),
@@ -214,7 +230,7 @@ impl Shading<'_> {
 
     /// `normal` turned by a texel of a normal map, in the frame of the vertex tangents.
     #[inline]
-    fn mapped_normal(&self, corners: &Corners, normal: Vec3, texel: Vec3, scale: f32) -> Vec3 {
+    pub(super) fn mapped_normal(&self, corners: &Corners, normal: Vec3, texel: Vec3, scale: f32) -> Vec3 {
         let Some(packed) = self.tables.tangents.get(corners.triangle) else { return normal };
         let tangent = interpolate(packed.map(octahedral::unpack), corners.weights);
         turned(tangent, if packed[0] & 1 == 1 { -1.0 } else { 1.0 }, normal, texel, scale)
@@ -222,9 +238,9 @@ impl Shading<'_> {
 }
 
 /// A point of a triangle: its barycentric coordinates.
-struct Corners {
-    triangle: usize,
-    weights: [f32; 3],
+pub(super) struct Corners {
+    pub(super) triangle: usize,
+    pub(super) weights: [f32; 3],
 }
 
 /// The sum of the values at three vertices, weighted.

@@ -74,7 +74,9 @@ impl Agrees for MaterialDesc {
             && close(self.anisotropy, exact.anisotropy)
             && close(self.anisotropy_rotation, exact.anisotropy_rotation)
             && close(self.diffuse_transmission, exact.diffuse_transmission)
-            && all_close(self.diffuse_transmission_color, exact.diffuse_transmission_color);
+            && all_close(self.diffuse_transmission_color, exact.diffuse_transmission_color)
+            && all_close(self.sheen_color, exact.sheen_color)
+            && close(self.sheen_roughness, exact.sheen_roughness);
         surface && coat && sides && all_close(self.emission, exact.emission)
     }
 }

@@ -39,6 +39,10 @@ pub(crate) struct TexturesExtras {
     diffuse_transmission: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     diffuse_transmission_color: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sheen_color: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sheen_roughness: Option<Transform>,
     normal_scale: Exact,
 }
 
@@ -61,6 +65,7 @@ impl TexturesExtras {
         let anisotropy = of(textures.anisotropy);
         let diffuse_transmission = of(textures.diffuse_transmission);
         let diffuse_transmission_color = of(textures.diffuse_transmission_color);
+        let (sheen_color, sheen_roughness) = (of(textures.sheen_color), of(textures.sheen_roughness));
         let normal_scale = Exact(textures.normal_scale);
         let all = [
             &base_color,
@@ -75,6 +80,8 @@ impl TexturesExtras {
             &anisotropy,
             &diffuse_transmission,
             &diffuse_transmission_color,
+            &sheen_color,
+            &sheen_roughness,
         ];
         let is_plain = all.iter().all(|used| used.is_none());
         (!is_plain || normal_scale.0 != 1.0 || clearcoat_normal_scale.is_some()).then_some(Self {
@@ -91,6 +98,8 @@ impl TexturesExtras {
             anisotropy,
             diffuse_transmission,
             diffuse_transmission_color,
+            sheen_color,
+            sheen_roughness,
             normal_scale,
         })
     }
@@ -125,6 +134,8 @@ impl TexturesExtras {
             anisotropy: of(textures.anisotropy, &self.anisotropy)?,
             diffuse_transmission: of(textures.diffuse_transmission, &self.diffuse_transmission)?,
             diffuse_transmission_color: of(textures.diffuse_transmission_color, &self.diffuse_transmission_color)?,
+            sheen_color: of(textures.sheen_color, &self.sheen_color)?,
+            sheen_roughness: of(textures.sheen_roughness, &self.sheen_roughness)?,
             normal_scale: self.normal_scale.0,
             // In glTF, the same texture.
             alpha: textures.alpha.and(base_color),

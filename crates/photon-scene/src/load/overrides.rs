@@ -191,6 +191,17 @@ impl Overrides {
             desc.clearcoat = new_clearcoat.take().unwrap_or(desc.clearcoat);
             desc.clearcoat_roughness = new_clearcoat_roughness.take().unwrap_or(desc.clearcoat_roughness);
         }
+        if with.sheen.is_some() || kind != before {
+            (desc.sheen_color, desc.textures.sheen_color) = ([0.0; 3], None);
+        }
+        if with.sheen_roughness.is_some() || kind != before {
+            (desc.sheen_roughness, desc.textures.sheen_roughness) = (0.0, None);
+        }
+        let (mut new_sheen, mut new_sheen_roughness) = (with.sheen, with.sheen_roughness);
+        if !matches!(kind, Kind::Glass | Kind::Thin) {
+            desc.sheen_color = new_sheen.take().map_or(desc.sheen_color, |given| given.rgb());
+            desc.sheen_roughness = new_sheen_roughness.take().unwrap_or(desc.sheen_roughness);
+        }
         if with.diffuse_transmission.is_some() {
             desc.textures.diffuse_transmission = None;
         }
@@ -260,6 +271,8 @@ impl Overrides {
             ("anisotropy_degrees", new_rotation.is_some()),
             ("diffuse_transmission", new_transmission.is_some()),
             ("diffuse_transmission_color", new_transmission_color.is_some()),
+            ("sheen", new_sheen.is_some()),
+            ("sheen_roughness", new_sheen_roughness.is_some()),
         ];
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
@@ -268,7 +281,7 @@ impl Overrides {
                         priority, thin has ior, tint and roughness, \
                         glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy and \
                         anisotropy_degrees, \
-                        all but glass and thin have clearcoat and clearcoat_roughness, \
+                        all but glass and thin have clearcoat, clearcoat_roughness, sheen and sheen_roughness, \
                         lambert and glossy diffuse_transmission and diffuse_transmission_color; \
                         give another kind, or leave it out";
             return Err(self.fault(what, hint));

@@ -62,6 +62,12 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "anisotropyRotation": single(desc.anisotropy_rotation, what)?,
         });
     }
+    if desc.sheen_color != [0.0; 3] {
+        extensions["KHR_materials_sheen"] = json!({
+            "sheenColorFactor": singles(desc.sheen_color, what)?,
+            "sheenRoughnessFactor": single(desc.sheen_roughness, what)?,
+        });
+    }
     if desc.diffuse_transmission > 0.0 {
         extensions["KHR_materials_diffuse_transmission"] = json!({
             "diffuseTransmissionFactor": single(desc.diffuse_transmission, what)?,
@@ -109,6 +115,8 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "diffuse_transmission_color" => {
                 extensions["KHR_materials_diffuse_transmission"]["diffuseTransmissionColorTexture"] = info.clone();
             }
+            "sheen_color" => extensions["KHR_materials_sheen"]["sheenColorTexture"] = info.clone(),
+            "sheen_roughness" => extensions["KHR_materials_sheen"]["sheenRoughnessTexture"] = info.clone(),
             "specular_color" => {
                 extensions["KHR_materials_specular"]["specularColorTexture"] = info.clone();
             }

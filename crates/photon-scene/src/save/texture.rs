@@ -65,7 +65,7 @@ impl File {
             let why = format!("a {} texture in sRGB", slot.replace('_', "-"));
             return Err(refused(&why, "glTF has linear ones: convert it"));
         }
-        if !is_data && is_linear && !matches!(slot, "specular" | "diffuse_transmission") {
+        if !is_data && is_linear && !matches!(slot, "specular" | "diffuse_transmission" | "sheen_roughness") {
             return Err(refused("a colour of linear bytes", "glTF has colours in sRGB: convert it, or use floats"));
         }
         if let Some(&known) = self.images.indices.get(&id) {

@@ -7,6 +7,7 @@ use super::alpha::uniform_alpha;
 use super::anisotropy::{fold_anisotropy, remove_anisotropy};
 use super::clearcoat::fold_clearcoat;
 use super::diffuse_transmission::fold_diffuse_transmission;
+use super::sheen::fold_sheen;
 use super::specular_color::fold_specular_color;
 use super::texel::Decoder;
 use crate::describe::{MaterialDesc, Surface};
@@ -55,6 +56,7 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
         fold_specular_color(material, color_of);
         fold_clearcoat(material, color_of);
         fold_diffuse_transmission(material, color_of, alpha_of);
+        fold_sheen(material, color_of, alpha_of);
     }
 }
 

@@ -9,6 +9,7 @@ mod mesh;
 mod normals;
 mod pyramid;
 mod radiance;
+mod sheen;
 mod specular_color;
 mod tangents;
 mod texel;
@@ -65,6 +66,7 @@ fn has_record(desc: &MaterialDesc) -> bool {
         || desc.clearcoat > 0.0
         || desc.anisotropy > 0.0
         || desc.diffuse_transmission > 0.0
+        || desc.sheen_color != [0.0; 3]
 }
 
 /// Fills the tables, and [`Material::textures`] of each material.
@@ -120,6 +122,8 @@ fn add_materials(
         tables.diffuse_transmissions.push(diffuse_transmission::record(desc, color, share));
         let coat = add(textures.clearcoat_normal);
         tables.clearcoat_normals.push(clearcoat::record(desc, coat));
+        let (color, roughness) = (add(textures.sheen_color), add(textures.sheen_roughness));
+        tables.sheens.push(sheen::record(desc, color, roughness));
         let textures = MaterialTextures {
             base_color,
             emission: add(textures.emission),
@@ -144,6 +148,9 @@ fn add_materials(
     }
     if tables.clearcoat_normals.iter().all(|entry| entry.is_own == 0) {
         tables.clearcoat_normals = Vec::new();
+    }
+    if tables.sheens.iter().all(|entry| entry.color == [0.0; 3]) {
+        tables.sheens = Vec::new();
     }
     sets
 }

@@ -198,6 +198,9 @@ fn glossy_surfaces_become_diffuse() {
     assert_eq!((paper.kind, paper.specular, paper.textures), (MaterialKind::Glossy as u32, 0.0, 1));
     assert!(paper.flags & photon_core::Material::DIFFUSE_TRANSMISSION != 0);
     assert_eq!(paint("[materials.paint]\nkind = \"lambert\"\ndiffuse_transmission = 0\n"), diffuse);
+    let cloth = paint("[materials.paint]\nkind = \"lambert\"\nsheen = [1, 0.5, 0]\nsheen_roughness = 0.3\n");
+    assert_eq!((cloth.kind, cloth.specular, cloth.textures), (MaterialKind::Glossy as u32, 0.0, 1));
+    assert_eq!(paint("[materials.paint]\nkind = \"lambert\"\nsheen = 0\n"), diffuse);
     let mirror = paint("[materials.paint]\nmetallic = 1\nroughness = 0\n");
     assert_eq!((mirror.kind, mirror.albedo), (MaterialKind::Mirror as u32, [0.5, 0.25, 1.0]));
 }
@@ -260,9 +263,13 @@ fn override_faults() {
     names(&fault("[materials.pane]\nkind = \"thin\"\nanisotropy = 1\n"), &["'pane'", "thin", "no anisotropy"]);
     names(&fault("[materials.wall]\nkind = \"glossy\"\nanisotropy = 2\n"), &["'wall'", "between 0 and 1"]);
     names(&fault("[materials.wall]\nkind = \"glossy\"\nanisotropy_degrees = inf\n"), &["'wall'", "finite"]);
+    names(&fault("[materials.pane]\nkind = \"thin\"\nsheen = 1\n"), &["'pane'", "thin", "no sheen"]);
+    names(&fault("[materials.wall]\nsheen = 1.5\n"), &["'wall'", "sheen_color", "between 0 and 1"]);
     let mirror = "[materials.wall]\nkind = \"mirror\"\ndiffuse_transmission = 1\n";
     names(&fault(mirror), &["'wall'", "mirror", "no diffuse_transmission"]);
-    for key in ["clearcoat", "clearcoat_roughness", "diffuse_transmission", "diffuse_transmission_color"] {
+    for key in
+        ["clearcoat", "clearcoat_roughness", "diffuse_transmission", "diffuse_transmission_color", "sheen_roughness"]
+    {
         names(&fault(&format!("[materials.wall]\n{key} = 1.5\n")), &["'wall'", key, "between 0 and 1"]);
     }
     names(&fault("[materials.wall]\nkind = \"glossy\"\ntint = 1\n"), &["'wall'", "glossy", "no tint"]);

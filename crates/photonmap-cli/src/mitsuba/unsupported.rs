@@ -41,6 +41,13 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
                 "write a .glb, which has it, or remove it (diffuse_transmission = 0 in an override file)",
             );
         }
+        let sheen = view.shading.sheens.get(material.textures as usize - 1);
+        if sheen.is_some_and(|sheen| sheen.color != [0.0; 3]) {
+            return refused(
+                format!("the sheen of material '{name}'"),
+                "write a .glb, which has it, or remove it (sheen = 0 in an override file)",
+            );
+        }
         let uses = [
             ("base colour", textures.base_color),
             ("emission", textures.emission),

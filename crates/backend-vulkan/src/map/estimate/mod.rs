@@ -13,7 +13,7 @@ mod tests;
 
 use photon_core::{
     AlbedoTable, Backend, Error, ErrorMoments, Estimate, EstimateParams, Kernel, PhotonFormat, Query,
-    RadianceEstimator, Result, Search, neighbour_radius,
+    RadianceEstimator, Result, Search, SheenTable, neighbour_radius,
 };
 
 use crate::device::Memory;
@@ -26,8 +26,8 @@ use search::{MapSearch, Mode, Question, Weighting};
 #[derive(Debug, Default)]
 pub(crate) struct VulkanEstimator {
     search: MapSearch,
-    /// Entries of the [`AlbedoTable`], once reflections are estimated.
-    albedos: Option<Memory>,
+    /// Entries of the [`AlbedoTable`], once reflections are estimated, and whether those of the [`SheenTable`] follow.
+    albedos: Option<(Memory, bool)>,
 }
 
 /// [`crate::low_level::estimator_without_sorting`].
@@ -137,17 +137,24 @@ impl VulkanEstimator {
         if !gather.reflection {
             return Ok(if gather.shading_normals { Weighting::Cosine } else { Weighting::Even });
         }
-        let albedos = match self.albedos.take() {
+        let albedos = match self.albedos.take().filter(|(_, has_sheen)| *has_sheen || !gather.sheen) {
             Some(albedos) => albedos,
             None => {
-                let bytes: &[u8] = bytemuck::cast_slice(AlbedoTable::get().entries());
+                let mut bytes = bytemuck::cast_slice(AlbedoTable::get().entries()).to_vec();
+                if gather.sheen {
+                    bytes.extend_from_slice(bytemuck::cast_slice(SheenTable::get().entries()));
+                }
                 let albedos = on.memory("albedos of glossy surfaces", bytes.len() as u64)?;
-                on.write(&albedos, 0, bytes)?;
-                albedos
+                on.write(&albedos, 0, &bytes)?;
+                (albedos, gather.sheen)
             }
         };
-        let address = self.albedos.insert(albedos).address();
-        Ok(if gather.anisotropy { Weighting::Anisotropic(address) } else { Weighting::Reflection(address) })
+        let address = self.albedos.insert(albedos).0.address();
+        Ok(match (gather.sheen, gather.anisotropy) {
+            (true, _) => Weighting::Sheen(address),
+            (false, true) => Weighting::Anisotropic(address),
+            (false, false) => Weighting::Reflection(address),
+        })
     }
 }
 

@@ -56,6 +56,8 @@ pub(super) enum Weighting {
     Reflection(u64),
     /// The same, which may be anisotropic.
     Anisotropic(u64),
+    /// The same, which may be that of a sheen; the table of its albedos follows.
+    Sheen(u64),
 }
 
 impl Weighting {
@@ -65,6 +67,7 @@ impl Weighting {
             Self::Cosine => 1,
             Self::Reflection(_) => 2,
             Self::Anisotropic(_) => 3,
+            Self::Sheen(_) => 4,
         }
     }
 }
@@ -278,7 +281,9 @@ impl MapSearch {
             capacity: capacity.min(u64::from(u32::MAX)) as u32,
             max_plane_distance: question.max_plane_distance,
         };
-        if let Weighting::Reflection(albedos) | Weighting::Anisotropic(albedos) = question.shading {
+        if let Weighting::Reflection(albedos) | Weighting::Anisotropic(albedos) | Weighting::Sheen(albedos) =
+            question.shading
+        {
             // In words that these searches do not use: search_map.glsl.
             let (low, high) = (albedos as u32, (albedos >> 32) as u32);
             push.threshold = low;

@@ -31,6 +31,8 @@ pub struct EstimateParams {
     pub reflection: bool,
     /// With `reflection`, in scenes with [`crate::Features::ANISOTROPY`]: [`crate::Query::path`] may have that of a surface.
     pub anisotropy: bool,
+    /// With `reflection`, in scenes with [`crate::Features::SHEEN`]: it may be that of a sheen.
+    pub sheen: bool,
 }
 
 impl EstimateParams {
@@ -50,6 +52,7 @@ impl EstimateParams {
             shading_normals: false,
             reflection: false,
             anisotropy: false,
+            sheen: false,
         }
     }
 

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::scene::SceneView;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::texture::{
-    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, ShadingTables, Texture, TextureUse,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, ShadingTables, SheenLayer, Texture, TextureUse,
 };
 
 /// Largest number of texels in a row, and of rows: their indices stay exact in `f32`.
@@ -39,6 +39,7 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
     for (what, count) in [
         ("shading.diffuse_transmissions", tables.diffuse_transmissions.len()),
         ("shading.clearcoat_normals", tables.clearcoat_normals.len()),
+        ("shading.sheens", tables.sheens.len()),
     ] {
         let entries = tables.material_textures.len();
         if count != 0 && count != entries {
@@ -47,6 +48,7 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
         }
     }
     each("clearcoat_normals entry", tables.clearcoat_normals, |entry| check_clearcoat(entry, tables))?;
+    each("sheens entry", tables.sheens, |entry| check_sheen(entry, tables.uses.len()))?;
     each("diffuse_transmissions entry", tables.diffuse_transmissions, |entry| {
         check_transmission(entry, tables.uses.len())
     })?;
@@ -71,6 +73,19 @@ fn check_clearcoat(of: &ClearcoatNormal, tables: &ShadingTables<'_>) -> Check {
     })?;
     require(used == MaterialTextures::NONE || !tables.tangents.is_empty(), || {
         "it has a normal map, but the scene has no tangents".to_owned()
+    })
+}
+
+fn check_sheen(of: &SheenLayer, uses: usize) -> Check {
+    let (roughness, color) = (of.roughness, of.color);
+    require((0.0..=1.0).contains(&roughness), || format!("its roughness {roughness} must lie between 0 and 1"))?;
+    require(color.iter().all(|part| (0.0..=1.0).contains(part)), || {
+        format!("its color {color:?} must lie between 0 and 1")
+    })?;
+    [of.color_texture, of.roughness_texture].into_iter().try_for_each(|used| {
+        require(used == MaterialTextures::NONE || (used as usize) < uses, || {
+            format!("its texture {used} is out of range, {uses} uses exist")
+        })
     })
 }
 

@@ -27,6 +27,7 @@ const KNOWN: &[&str] = &[
     parameters::CLEARCOAT,
     parameters::ANISOTROPY,
     parameters::DIFFUSE_TRANSMISSION,
+    parameters::SHEEN,
 ];
 
 /// Converts one material; what is lost is reported.
@@ -49,6 +50,9 @@ pub(super) fn describe(
         lines.left_out(&subject, "its anisotropy, which glass does not have here");
     }
     check_transmission(&parameters, &surface, &subject, &mut lines);
+    if parameters.sheen_color != [0.0; 3] && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
+        lines.left_out(&subject, "its sheen, which glass does not have here");
+    }
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
@@ -62,6 +66,8 @@ pub(super) fn describe(
         anisotropy_rotation: parameters.anisotropy[1],
         diffuse_transmission: parameters.diffuse_transmission,
         diffuse_transmission_color: parameters.transmission_color,
+        sheen_color: parameters.sheen_color,
+        sheen_roughness: parameters.sheen_roughness,
         textures: parameters.textures,
         ..MaterialDesc::new(name, surface)
     };
@@ -186,10 +192,7 @@ fn check_clearcoat(of: &Parameters, surface: &Surface, subject: &str, report: &m
         return;
     }
     if matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
-        return report.left_out(subject, "its clearcoat, which glass does not have here");
-    }
-    if of.emission != [0.0; 3] {
-        report.approximated(subject, "its clearcoat does not dim its emission");
+        report.left_out(subject, "its clearcoat, which glass does not have here");
     }
 }
 

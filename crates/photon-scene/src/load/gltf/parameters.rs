@@ -42,6 +42,8 @@ pub(super) struct Parameters {
     /// Share of the base that transmits diffusely, and its colour.
     pub(super) diffuse_transmission: f64,
     pub(super) transmission_color: [f64; 3],
+    pub(super) sheen_color: [f64; 3],
+    pub(super) sheen_roughness: f64,
     /// Whether it bounds a volume rather than being a thin sheet.
     pub(super) is_solid: bool,
     /// Transmittance of `attenuation_distance`.
@@ -180,7 +182,17 @@ pub(super) fn read(
     let colors = means.image(slot("diffuseTransmissionColorTexture"), DIFFUSE_COLOR)?;
     let even_share = shares.filter(|shares| shares.used.is_none()).map_or(1.0, |shares| shares.mean.alpha);
     let leaf_color = leaf.and_then(|leaf| numbers(leaf, "diffuseTransmissionColorFactor")).unwrap_or([1.0; 3]);
+    let cloth = extensions.others.get(SHEEN);
+    let sheen_color = cloth.and_then(|cloth| numbers(cloth, "sheenColorFactor")).unwrap_or([0.0; 3]);
+    let cloth = cloth.filter(|_| sheen_color != [0.0; 3]);
+    let sheen_roughness = cloth.and_then(|cloth| numbers(cloth, "sheenRoughnessFactor")).map_or(0.0, |[value]| value);
+    let slot = |name: &str| cloth.and_then(|cloth| Slot::of_json(cloth.get(name)?));
+    let sheen = means.image(slot("sheenColorTexture"), SHEEN_COLOR)?;
+    let rough_sheen = means.image(slot("sheenRoughnessTexture"), SHEEN_ROUGHNESS)?;
+    let even_sheen = rough_sheen.filter(|rough| rough.used.is_none()).map_or(1.0, |rough| rough.mean.alpha);
     Ok(Parameters {
+        sheen_color: times(sheen_color, sheen.and_then(|sheen| sheen.color())),
+        sheen_roughness: sheen_roughness * even_sheen,
         diffuse_transmission: share * even_share,
         transmission_color: times(leaf_color, colors.and_then(|colors| colors.color())),
         anisotropy: if strength > 0.0 { [strength, rotation] } else { [0.0; 2] },
@@ -216,6 +228,8 @@ pub(super) fn read(
             anisotropy: direction.and_then(|direction| direction.used),
             diffuse_transmission: shares.and_then(|shares| shares.used),
             diffuse_transmission_color: colors.and_then(|colors| colors.used),
+            sheen_color: sheen.and_then(|sheen| sheen.used),
+            sheen_roughness: rough_sheen.and_then(|rough| rough.used),
         },
     })
 }
@@ -228,6 +242,9 @@ pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy";
 
 /// Extension of materials.
 pub(super) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
+
+/// Extension of materials.
+pub(super) const SHEEN: &str = "KHR_materials_sheen";
 
 /// UV sets with higher numbers are treated as damage.
 const MAX_UV_SETS: u32 = 64;
@@ -266,6 +283,8 @@ const CLEARCOAT_WEIGHT: Role = Role { name: "clearcoat", bytes: TexelFormat::Lin
 const CLEARCOAT_ROUGHNESS: Role = Role { name: "clearcoat roughness", ..CLEARCOAT_WEIGHT };
 const DIFFUSE_SHARE: Role = Role { name: "diffuse transmission", bytes: TexelFormat::Srgb8, is_factor: true };
 const DIFFUSE_COLOR: Role = Role { name: "diffuse transmission colour", ..DIFFUSE_SHARE };
+const SHEEN_COLOR: Role = Role { name: "sheen colour", bytes: TexelFormat::Srgb8, is_factor: true };
+const SHEEN_ROUGHNESS: Role = Role { name: "sheen roughness", ..SHEEN_COLOR };
 const DIRECTION: Role = Role { name: "anisotropy", bytes: TexelFormat::Linear8, is_factor: false };
 const NORMAL_MAP: Role = Role { name: "normal map", bytes: TexelFormat::Linear8, is_factor: false };
 

@@ -4,8 +4,8 @@ use super::Tables;
 use crate::scene::SceneView;
 use crate::scene::material::Material;
 use crate::scene::texture::{
-    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, ShadingTables, TexelFormat, Texture,
-    TextureUse, Wrap,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, ShadingTables, SheenLayer, TexelFormat,
+    Texture, TextureUse, Wrap,
 };
 
 /// Vertex attributes of two triangles, and a texture that the first material uses.
@@ -18,6 +18,7 @@ struct Shading {
     anisotropies: Vec<Anisotropy>,
     diffuse_transmissions: Vec<DiffuseTransmission>,
     clearcoat_normals: Vec<ClearcoatNormal>,
+    sheens: Vec<SheenLayer>,
     uses: Vec<TextureUse>,
     textures: Vec<Texture>,
 }
@@ -48,6 +49,7 @@ impl Shading {
             anisotropies: vec![Anisotropy { strength: 1.0, direction: [0.6, -0.8], texture: 0 }],
             diffuse_transmissions: vec![DiffuseTransmission { color_texture: 0, ..DiffuseTransmission::NONE }],
             clearcoat_normals: vec![ClearcoatNormal { is_own: 1, texture: 0, ..ClearcoatNormal::NONE }],
+            sheens: vec![SheenLayer { color_texture: 0, ..SheenLayer::NONE }],
             uses: vec![TextureUse { uv_set: 1, ..TextureUse::new(0) }],
             textures: vec![texture],
         }
@@ -62,6 +64,7 @@ impl Shading {
             anisotropies: &self.anisotropies,
             diffuse_transmissions: &self.diffuse_transmissions,
             clearcoat_normals: &self.clearcoat_normals,
+            sheens: &self.sheens,
             uses: &self.uses,
             textures: &self.textures,
             ..ShadingTables::default()
@@ -77,7 +80,7 @@ type Case = (fn(&mut Shading), &'static str);
 #[test]
 fn invalid_attributes_and_textures_are_named() {
     Shading::new().check().unwrap();
-    let cases: [Case; 29] = [
+    let cases: [Case; 33] = [
         (|s| s.normals.truncate(1), "scene view: shading.normals is 1 entries for 2 triangles"),
         (|s| s.tangents.truncate(1), "scene view: shading.tangents is 1"),
         (|s| s.tangents.clear(), "material_textures entry 0: it has a normal map, but the scene has no tangents"),
@@ -114,6 +117,10 @@ fn invalid_attributes_and_textures_are_named() {
         (|s| s.diffuse_transmissions[0].factor_texture = 1, "diffuse_transmissions entry 0: its texture 1"),
         (|s| s.diffuse_transmissions[0].factor = 0.5, "material 0: it must be glossy and have"),
         (|s| s.tables.materials[0].flags = Material::DIFFUSE_TRANSMISSION, "material 0: it must be glossy and have"),
+        (|s| s.sheens.push(SheenLayer::NONE), "scene view: shading.sheens is 2"),
+        (|s| s.sheens[0].roughness = f32::NAN, "sheens entry 0: its roughness NaN"),
+        (|s| s.sheens[0].color[1] = 1.5, "sheens entry 0: its color [0.0, 1.5, 0.0]"),
+        (|s| s.sheens[0].roughness_texture = 1, "sheens entry 0: its texture 1"),
         (|s| s.uses[0].texture_index = 1, "texture use 0: texture 1 is out of range"),
         (|s| s.uses[0].transform[1][2] = f32::INFINITY, "texture use 0: its transform"),
         (|s| s.textures[0].width = 0, "texture 0: its size 0 × 2"),

@@ -305,6 +305,55 @@ fn diffuse_transmission_is_read() {
     }
 }
 
+/// Colour, roughness and textures of a sheen are kept, over any opaque surface; glass has none.
+#[test]
+fn sheen_is_read() {
+    let of = |rest: &str| {
+        format!(
+            r#""pbrMetallicRoughness": {{"metallicFactor": 0}}, "extensions": {{"KHR_materials_sheen": {{{rest}}}}}"#
+        )
+    };
+    let (material, report) = read(&of(r#""sheenColorFactor": [0.25, 1, 0], "sheenRoughnessFactor": 0.5"#));
+    assert_eq!((material.sheen_color, material.sheen_roughness), ([0.25, 1.0, 0.0], 0.5));
+    assert!(report.lines.is_empty(), "{report}");
+    // Black by default; a roughness alone is no sheen.
+    let (material, report) = read(&of(r#""sheenRoughnessFactor": 0.5"#));
+    assert_eq!((material.sheen_color, material.sheen_roughness), ([0.0; 3], 0.0));
+    assert!(report.lines.is_empty(), "{report}");
+    // The colour is sRGB, the roughness alpha, linear.
+    let both = r#""sheenColorFactor": [1, 1, 0.5], "sheenColorTexture": {"index": 0}, "sheenRoughnessFactor": 0.5, "sheenRoughnessTexture": {"index": 0}"#;
+    let texels = [[255, 0, 9, 102], [0, 0, 0, 255]];
+    let (builder, report) = textured(&of(both), &texels).load();
+    let found = &builder.materials[0].textures;
+    let (color, roughness) = (found.sheen_color.unwrap(), found.sheen_roughness.unwrap());
+    let image = &builder.textures[color.texture.0 as usize].image;
+    assert_eq!((image.format, &image.texels[..]), (TexelFormat::Srgb8, &texels.map(u32::from_le_bytes)[..]));
+    assert!(color == roughness && is_exact(&report), "{report}");
+    let (builder, report) = textured(&of(both), &[[255, 0, 255, 102]; 2]).load();
+    let found = &builder.materials[0];
+    assert_eq!((found.sheen_color, found.sheen_roughness), ([1.0, 0.0, 0.5], 0.2));
+    assert!(builder.textures.is_empty() && report.is_exact(), "{report}");
+    let glass = r#""extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]}}, "pbrMetallicRoughness": {"metallicFactor": 0}"#;
+    assert!(says(&read(glass).1, "it", "its sheen, which glass"), "{}", read(glass).1);
+    for (rest, word) in [
+        (r#""sheenColorFactor": [0, 2, 0]"#, "sheen_color"),
+        (r#""sheenColorFactor": [1, 1, 1], "sheenRoughnessFactor": -1"#, "sheen_roughness"),
+    ] {
+        let (builder, _) = super::file::File::new().material(&of(rest)).load();
+        let error = builder.build().map(drop).unwrap_err().to_string();
+        assert!(error.contains("material 'it'") && error.contains(word), "{error}");
+    }
+}
+
+/// Emission under a clearcoat is read without loss.
+#[test]
+fn coated_emission_is_read() {
+    let (material, report) =
+        read(r#""emissiveFactor": [1, 0.5, 0], "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 0.5}}"#);
+    assert_eq!((material.emission, material.clearcoat), ([1.0, 0.5, 0.0], 0.5));
+    assert!(report.is_exact(), "{report}");
+}
+
 /// Strength, rotation and texture of an anisotropy are kept.
 #[test]
 fn anisotropies_are_read() {

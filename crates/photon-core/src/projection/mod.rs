@@ -131,7 +131,8 @@ impl ProjectionMap {
         let (most, paths) = match settings.caustic_photons {
             CausticPhotons::Shared => return Err(NoProjection::Shared),
             CausticPhotons::Auto if alone => (f64::INFINITY, Some(settings.photons)),
-            CausticPhotons::Auto => (Self::WORTH, None),
+            CausticPhotons::Auto if scene.materials_in_use().any(is_smooth) => (Self::WORTH, None),
+            CausticPhotons::Auto => (Self::WORTH_ROUGH, None),
             CausticPhotons::Aimed(paths) => (f64::INFINITY, Some(paths)),
         };
         let Marking { projection, whole, .. } = Self::mark(scene, most);
@@ -157,11 +158,6 @@ impl ProjectionMap {
     /// Whether at least half of the light that could reach a specular surface, a share of `share` of all light, could
     /// reach a smooth one.
     fn is_sharp(scene: &SceneView<'_>, share: f64) -> bool {
-        let is_smooth = |material: &Material| match material.kind() {
-            MaterialKind::Mirror => true,
-            MaterialKind::Dielectric | MaterialKind::Thin => !material.is_rough_glass(),
-            MaterialKind::Lambert | MaterialKind::Glossy => false,
-        };
         if scene.materials_in_use().all(|material| is_smooth(material) || !reflects(material, scene)) {
             return true;
         }
@@ -276,6 +272,15 @@ impl ProjectionMap {
             direction: [within(field(q, q), q, product as u32), within(field(0, q), q, d)],
             side: cell >> (2 * p + 2 * q) << 31 | side >> 1,
         }
+    }
+}
+
+/// Whether a surface reflects or refracts like a mirror.
+fn is_smooth(material: &Material) -> bool {
+    match material.kind() {
+        MaterialKind::Mirror => true,
+        MaterialKind::Dielectric | MaterialKind::Thin => !material.is_rough_glass(),
+        MaterialKind::Lambert | MaterialKind::Glossy => false,
     }
 }
 

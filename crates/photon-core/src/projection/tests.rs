@@ -107,16 +107,20 @@ fn aiming_is_left_where_it_would_not_pay() {
     let some = Tables::new();
     assert!(share(&some) > 0.05 && share(&some) < 0.3, "{}", share(&some));
     assert_eq!(paths(&some, Auto, map), Ok((500.0 * share(&some)) as u32));
-    // Where nearly all of that light meets rough metal instead of the mirror, only if there is little of it; a smooth mirror
-    // beside does not count.
+    // Where that light meets rough metal instead of the mirror, only if there is little of it.
+    let metal = Material { kind: MaterialKind::Glossy as u32, metallic: 1.0, roughness: 0.3, ..some.materials[0] };
     for (table, expected) in [(&few, Ok(25)), (&some, Err(NoProjection::NotWorth))] {
         let mut rough = Tables { positions: table.positions.clone(), starts: table.starts.clone(), ..Tables::new() };
         rough.lights = table.lights.clone();
-        rough.materials[1] =
-            Material { kind: MaterialKind::Glossy as u32, metallic: 1.0, roughness: 0.3, ..rough.materials[1] };
+        rough.materials[1] = metal;
         assert_eq!(paths(&rough, Auto, map), expected);
         assert_eq!(paths(&rough, Aimed(9), map), Ok(9));
     }
+    // A smooth mirror that less than half of it meets, above a floor of rough metal.
+    let mut beside = Tables::new();
+    beside.materials[0] = metal;
+    assert!(share(&beside) < ProjectionMap::WORTH && share(&some) < 0.5 * share(&beside), "{}", share(&beside));
+    assert_eq!(paths(&beside, Auto, map), Err(NoProjection::NotWorth));
     assert_eq!((paths(&few, Shared, map), paths(&many, Aimed(9), map)), (Err(NoProjection::Shared), Ok(9)));
     // No other map needs photons.
     assert_eq!(paths(&many, Auto, Indirect::None), Ok(100));

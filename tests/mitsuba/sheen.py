@@ -38,7 +38,7 @@ def coefficients(alpha):
     weight = (1 - alpha) ** 2
     one = np.array([21.5473, 3.82987, 0.19823, -1.97760, -4.32054])
     zero = np.array([25.3245, 3.32435, 0.16801, -1.27393, -4.85967])
-    return one + (zero - one) * weight
+    return (one + (zero - one) * weight).tolist()
 
 
 def lobe(dr, alpha, sine_squared, cosines):
@@ -50,7 +50,7 @@ def lobe(dr, alpha, sine_squared, cosines):
         return a / (1 + b * dr.maximum(x, 1e-30) ** c) + d * x + e
 
     def smith(x):
-        return dr.exp(select(x < 0.5, exponent(x), 2 * float(exponent_half) - exponent(1 - x)))
+        return dr.exp(select(x < 0.5, exponent(x), 2 * exponent_half - exponent(1 - x)))
 
     exponent_half = a / (1 + b * 0.5**c) + d * 0.5 + e
     distribution = (2 + 1 / alpha) * dr.maximum(sine_squared, 1e-30) ** (0.5 / alpha) / (2 * np.pi)

@@ -164,9 +164,9 @@ fn samples_have_their_density() {
     assert!((mean - std::f64::consts::TAU).abs() < 4.5 * error && error < 0.05, "{mean} ± {error}");
 }
 
-/// No coat without a sheen is taken for one with a sheen, and what is packed is found again.
+/// No coat without a sheen is taken for one with a sheen, nor one layout for the other.
 #[test]
-fn packed_words_are_told_apart() {
+fn packed_words_are_distinct() {
     let mut numbers = SplitMix64(9);
     for _ in 0..20_000 {
         let mut next = || number(&mut numbers);

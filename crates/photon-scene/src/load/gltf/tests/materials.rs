@@ -183,9 +183,9 @@ fn pictures_that_cannot_be_read_leave_the_factor() {
 #[test]
 fn what_has_no_counterpart_is_named() {
     let (_, report) = read(
-        r#""extensions": {"KHR_materials_sheen": {}, "KHR_materials_dispersion": {"dispersion": 1}}, "occlusionTexture": {"index": 0}"#,
+        r#""extensions": {"KHR_materials_iridescence": {}, "KHR_materials_dispersion": {"dispersion": 1}}, "occlusionTexture": {"index": 0}"#,
     );
-    for text in ["KHR_materials_sheen", "KHR_materials_dispersion", "occlusion"] {
+    for text in ["KHR_materials_iridescence", "KHR_materials_dispersion", "occlusion"] {
         assert!(says(&report, "material 'it'", text), "{text}: {report}");
     }
     let (unlit, report) = read(r#""extensions": {"KHR_materials_unlit": {}}"#);

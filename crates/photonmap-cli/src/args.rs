@@ -140,7 +140,7 @@ impl SettingsArgs {
         };
         let settings = Settings {
             errors: budget.errors || budget.target_error.is_some() || adapts || bandwidth == Bandwidth::PerPixel,
-            photons: photon.photons.unwrap_or(base.photons),
+            photons: photon.photons.unwrap_or(base.photons.min(kind.photons)),
             estimator,
             radius_factor: estimate.radius_factor.unwrap_or(base.radius_factor),
             kernel: estimate.kernel.unwrap_or(base.kernel),

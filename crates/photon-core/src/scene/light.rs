@@ -18,7 +18,7 @@ pub struct Light {
     pub direction: [f32; 3],
     /// Triangle: its index. Otherwise `u32::MAX`.
     pub primitive: u32,
-    /// Total emitted flux, linear RGB, in units of the scene's total power.
+    /// Total emitted flux, linear RGB, in units of the scene's total power; before a clearcoat over it dims them.
     pub power: [f32; 3],
     /// Spot: 1 − cos of the angle up to which the intensity is full.
     pub versine_inner: f32,

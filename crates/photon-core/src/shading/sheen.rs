@@ -7,7 +7,7 @@
 //! `min(s_o, s_i)` with `s = 1 / max(E, 1)`, which is reciprocal, and the layer never reflects more than it receives.
 //!
 //! Of other light, it lets through `T = 1 − max(C) min(E, 1)`. A diffuse base has the factor `T_o T_i / T̄`, together with that of
-//! the coats over it ([`entering`]), so that a white one loses nothing for r ≥ .25; a reflection below has `min(T_o, T_i)`.
+//! the coats over it (`entering`), so that a white one loses nothing for r ≥ .25; a reflection below has `min(T_o, T_i)`.
 //!
 //! E is tabulated over the cube root of the cosine and the square root of the roughness; its error where it is below 1 is at
 //! most 2.5e-3, for cosines from .001 on.

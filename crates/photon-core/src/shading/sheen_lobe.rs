@@ -172,10 +172,10 @@ impl Quadrature {
     fn lambda(&self, cosine: f64) -> f64 {
         let exponent = |x: f64| {
             let [a, b, c, d, e] = self.fit;
-            a / (1.0 + b * x.powf(c)) + d * x + e
+            a / (1.0 + b * libm::pow(x, c)) + d * x + e
         };
         let x = cosine.max(f64::from(MIN_COSINE));
-        if x < 0.5 { exponent(x).exp() } else { (2.0 * exponent(0.5) - exponent(1.0 - x)).exp() }
+        if x < 0.5 { libm::exp(exponent(x)) } else { libm::exp(2.0 * exponent(0.5) - exponent(1.0 - x)) }
     }
 
     fn albedo(&self, cosine: f64) -> f64 {
@@ -189,8 +189,8 @@ impl Quadrature {
             let around: f64 = (0..AROUND)
                 .map(|k| {
                     let turn = std::f64::consts::PI * (k as f64 + 0.5) / AROUND as f64;
-                    let squared = 2.0 + 2.0 * (across * turn.cos() + cosine * other);
-                    (1.0 - total * total / squared).max(0.0).powf(half)
+                    let squared = 2.0 + 2.0 * (across * libm::cos(turn) + cosine * other);
+                    libm::pow((1.0 - total * total / squared).max(0.0), half)
                 })
                 .sum();
             let visibility = 0.25 / ((1.0 + own + lambda) * cosine * other.max(least));

@@ -107,7 +107,8 @@ pub struct BudgetArgs {
     /// Time limit in seconds, from start to finished file.
     ///
     /// Passes are rendered until the time is used up. Unless --passes, --radius or a target is given, the radii are
-    /// adapted to the time, and --area and --bandwidth default to those of the preset `final`.
+    /// adapted to the time, --area and --bandwidth default to those of the preset `final`, and --photons to two per pixel
+    /// if that is less than without a time.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Stop at this relative error, such as 0.05.
@@ -132,7 +133,7 @@ pub struct BudgetArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Photons")]
 pub struct PhotonArgs {
-    /// Photon paths emitted per pass; the suffixes `k` and `M` are accepted [default: 200k].
+    /// Photon paths emitted per pass; the suffixes `k` and `M` are accepted [default: 200k, or that of --preset or --time].
     #[arg(long, value_name = "N", value_parser = count)]
     pub photons: Option<u32>,
     /// Paths per pass aimed at mirrors and glass by a projection map, for caustics: a number, `auto`, or `shared` for

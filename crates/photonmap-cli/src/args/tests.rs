@@ -104,6 +104,12 @@ fn a_time_is_spent_as_was_measured_to_be_best() {
         assert_eq!(of(&given), (Area::Disc, Bandwidth::Shared), "{given:?}");
     }
     assert!(settings(&["--time", "5"]).unwrap().errors);
+    // Two paths per pixel of a small picture; never more than without a time.
+    for (size, photons) in [("128x128", 32_768), ("1024x1024", 200_000)] {
+        assert_eq!(settings(&["--time", "5", "--size", size]).unwrap().photons, photons);
+        assert_eq!(settings(&["--time", "5", "--size", size, "--photons", "7"]).unwrap().photons, 7);
+        assert_eq!(settings(&["--size", size]).unwrap().photons, 200_000);
+    }
 }
 
 #[test]

@@ -33,10 +33,9 @@ def statistics(pictures, block):
     return [(x.mean(axis=0), x.std(axis=0, ddof=1) / runs**0.5) for x in (pictures.mean(axis=(1, 2)), cells)]
 
 
-def compare(ours, theirs, block):
+def compare(ours, theirs, block, limits=(0.005, 0.04)):
     """Lines that describe the differences, and whether they exceed the limits."""
     lines, differ = [], False
-    limits = (0.005, 0.04)
     for name, limit, (a, a_error), (b, b_error) in zip(
         ("channels", "blocks"), limits, statistics(ours, block), statistics(theirs, block)
     ):

@@ -2,13 +2,14 @@
 
 use std::f64::consts::PI;
 
-use photon_core::{Direct, Estimator, Features, Indirect, Settings};
+use photon_core::{Direct, Features, Settings};
 use photon_scene::{
     AlphaMode, CameraDesc, EnvironmentDesc, MaterialDesc, Projection, Scene, SceneBuilder, TextureDesc, TextureRef,
     TexturesDesc, VertexAttributes,
 };
 
 use crate::alpha::{FAINT, chequered, direct_light, look_down, mean_red, sheet, sun};
+use crate::closed_room;
 use crate::harness::{TestBackend, film, look_at_point, per_pass, trace, watts};
 use crate::stats::{assert_agrees, moments, standard_error};
 
@@ -94,38 +95,13 @@ pub fn holes_show_the_environment<T: TestBackend>() {
 /// G5: in a closed room with e = 1 and ρ = ½, sheets that absorb nothing change nothing, whatever their alpha: radiosity
 /// is 2, with shadow rays, photons and final gathering.
 pub fn g5_furnace_with_sheets<T: TestBackend>() {
-    let mut builder = SceneBuilder::new();
-    let wall = builder.material(MaterialDesc::emissive("wall", [0.5; 3], [1.0 / PI; 3]));
-    let (positions, triangles) = photon_scene::shapes::flip(photon_scene::shapes::cuboid([-1.0; 3], [1.0; 3]));
-    builder.mesh("room", positions, triangles, wall);
-    let mode = AlphaMode::Blend;
-    let mut quad = |name: &str, y: f64, half: f64, material: MaterialDesc| {
-        let material = builder.material(material.with_alpha(mode, 0.4));
-        builder.quad(name, [[-half, y, half], [half, y, half], [half, y, -half], [-half, y, -half]], material);
-    };
-    quad("white", 0.0, 0.7, MaterialDesc::lambert("white", [1.0; 3]));
-    quad("mirror", 0.4, 0.6, MaterialDesc::mirror("mirror", [1.0; 3]));
-    quad("pane", -0.4, 0.6, MaterialDesc::thin("pane", 1.5));
-    look_at_point(&mut builder, [0.0; 3], [0.0, 1.0, 0.0], 0.8, 0.2);
-    let scene = builder.build().unwrap();
-    let settings = || Settings {
-        photons: 10_000,
-        max_bounces: 4096,
-        alpha: 1.0,
-        estimator: Estimator::Radius { radius: Some(0.15) },
-        ..Settings::default()
-    };
-    for (way, settings) in [
-        ("shadow rays", settings()),
-        ("photons", Settings { direct: Direct::Photons, ..settings() }),
-        ("gather", Settings { indirect: Indirect::Gather, gather_rays: 4, ..settings() }),
-    ] {
-        let values: Vec<f64> = per_pass::<T>(&scene, &settings, 16, 8).iter().map(|l| l * PI).collect();
-        // Gathered light comes from edges too, where estimates lose area (A8): of the walls' light, and of one part in
-        // five of it.
-        let bound = if way == "gather" { 0.08 } else { 0.0 };
-        assert_agrees(way, moments(&values).0, 2.0, standard_error(&values), bound);
-    }
+    let squares = [
+        (0.0, 0.7, MaterialDesc::lambert("white", [1.0; 3])),
+        (0.4, 0.6, MaterialDesc::mirror("mirror", [1.0; 3])),
+        (-0.4, 0.6, MaterialDesc::thin("pane", 1.5)),
+    ];
+    let squares = squares.map(|(y, half, material)| (y, half, material.with_alpha(AlphaMode::Blend, 0.4)));
+    closed_room::assert_unchanged::<T>(squares, ([0.0, 1.0, 0.0], 0.8), 0.0);
 }
 
 /// What is there everywhere needs nothing: the features, and every bit of the picture, are those of the scene without

@@ -13,6 +13,7 @@ pub mod anisotropy;
 pub mod backends;
 pub mod blocks;
 pub mod clearcoat;
+mod closed_room;
 pub mod coated_lights;
 pub mod debias;
 pub mod determinism;

@@ -98,6 +98,10 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
         list.push(("clearcoat", number(desc.clearcoat), textures.clearcoat.is_some()));
         list.push(("clearcoat_roughness", number(desc.clearcoat_roughness), replaces));
     }
+    if desc.sheen_color != [0.0; 3] {
+        list.push(("sheen", color(desc.sheen_color), textures.sheen_color.is_some()));
+        list.push(("sheen_roughness", number(desc.sheen_roughness), textures.sheen_roughness.is_some()));
+    }
     if desc.anisotropy != 0.0 {
         list.push(("anisotropy", number(desc.anisotropy), textures.anisotropy.is_some()));
         list.push(("anisotropy_degrees", number(desc.anisotropy_rotation.to_degrees()), textures.anisotropy.is_some()));
@@ -209,6 +213,7 @@ mod tests {
         let mut other = SceneBuilder::new();
         let glossy = MaterialDesc::plastic("lacquer \"№ 1\" \\ \n", [0.1, 0.2, 0.7], 0.3)
             .with_clearcoat(0.5, 0.1)
+            .with_sheen([0.25, 0.5, 1.0], 0.7)
             .with_specular_color([1.0, 0.5, 0.25])
             .with_anisotropy(0.5, 30.0_f64.to_radians())
             .with_diffuse_transmission(0.25, [0.5, 1.0, 0.5]);

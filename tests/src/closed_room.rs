@@ -13,7 +13,7 @@ use crate::stats::{assert_agrees, moments, standard_error};
 pub(crate) type Square = (f64, f64, MaterialDesc);
 
 /// Checks the radiosity at the middle of the room, seen from `direction` at this distance, by shadow rays, photons and final
-/// gathering. `bound` is that of the squares' own errors, relative to 1.
+/// gathering. `bound` is the error of radiosity that the squares' own tables may cause; gathering has a larger one.
 pub(crate) fn assert_unchanged<T: TestBackend>(
     squares: impl IntoIterator<Item = Square>,
     (direction, distance): ([f64; 3], f64),

@@ -12,6 +12,9 @@ use crate::radius::radii;
 use crate::scene::layout::Query;
 use crate::settings::Estimator;
 
+/// Largest number of queries that the pilot pass uploads at once: a few megabytes, whatever the size of the picture.
+const QUERIES: usize = 1 << 16;
+
 impl<B: TransportBackend> Pipeline<B> {
     /// Traces a pilot pass to derive radii from the density of its photons, and from the footprints of pixels.
     pub(super) fn pilot(&mut self) -> Result<()> {
@@ -81,10 +84,13 @@ impl<B: TransportBackend> Pipeline<B> {
             max_plane_distance: self.settings.max_plane_distance,
             ..EstimateParams::new(Search::Radius)
         };
-        let uploaded = self.on.upload("queries of the pilot pass", queries)?;
-        self.stages.map.estimator.estimate(&mut self.on, map, &uploaded, &gather, estimates)?;
-        let mut found = Vec::new();
-        self.on.download(estimates, &mut found)?;
+        let (mut found, mut part) = (Vec::with_capacity(queries.len()), Vec::new());
+        for some in queries.chunks(QUERIES) {
+            let uploaded = self.on.upload("queries of the pilot pass", some)?;
+            self.stages.map.estimator.estimate(&mut self.on, map, &uploaded, &gather, estimates)?;
+            self.on.download(estimates, &mut part)?;
+            found.append(&mut part);
+        }
         Ok(Footprint::new(&self.view).bound(queries, &found))
     }
 }

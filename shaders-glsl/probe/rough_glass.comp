@@ -26,8 +26,8 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     material.roughness = a.w;
     vec3 normal = vec3(0.48, 0.6, -0.64);
     Interface sides = media_interface(scene, material, kind != 1.0, VACUUM);
-    RoughGlass glass;
-    if (!rough_glass_new(scene, material, dot3(a.xyz, normal), sides, glass)) return floats(vec4(-1.0), vec4(0.0));
+    if (!rough_glass_is_rough(material, sides)) return floats(vec4(-1.0), vec4(0.0));
+    RoughGlass glass = rough_glass_new(scene, material, dot3(a.xyz, normal), sides);
     if (FUNCTION == 0u) {
         float lost = losses_lost(scene, glass.losses, 1u, c.x, a.w);
         return floats(vec4(glass.lost, lost, glass.staying, glass.light_side), vec4(glass.spread, 0.0, 0.0));

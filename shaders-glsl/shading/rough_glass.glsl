@@ -38,16 +38,20 @@ float rough_reflectance(float cosine, float eta, bool is_thin) {
     return is_thin ? sheet_reflectance(single) : single;
 }
 
-// False where the boundary is smooth, not glass, or between equal media.
-bool rough_glass_new(SceneRef scene, Material material, float cosine, Interface sides, out RoughGlass glass) {
+// Whether the boundary is neither smooth, nor between equal media, nor none at all.
+bool rough_glass_is_rough(Material material, Interface sides) {
+    precise float alpha = material.roughness * material.roughness;
+    precise float contrast = abs(sides.eta - 1.0);
+    return kind_transmits(material.kind) && alpha >= GGX_MIN_ALPHA && sides.is_active
+        && !(contrast < ROUGH_GLASS_MIN_CONTRAST);
+}
+
+// The boundary of a material, evaluated at the point, which is rough.
+RoughGlass rough_glass_new(SceneRef scene, Material material, float cosine, Interface sides) {
+    RoughGlass glass;
     float roughness = material.roughness, eta = sides.eta;
     bool is_thin = material.kind == MATERIAL_THIN;
     precise float alpha = roughness * roughness;
-    precise float contrast = abs(eta - 1.0);
-    if (!(kind_transmits(material.kind) && alpha >= GGX_MIN_ALPHA && sides.is_active)
-        || contrast < ROUGH_GLASS_MIN_CONTRAST) {
-        return false;
-    }
     cosine = min(cosine, 1.0);
     precise float squared = is_thin ? 1.0 : eta * eta;
     glass.losses = is_thin ? losses_of_sheet() : losses_of(scene, eta);
@@ -67,7 +71,7 @@ bool rough_glass_new(SceneRef scene, Material material, float cosine, Interface 
     precise float staying = glass.spread.x * mean;
     glass.staying = staying;
     glass.light_side = clamp(rough_reflectance(cosine, eta, is_thin), 0.125, 0.875);
-    return true;
+    return glass;
 }
 
 // BSDF times cosine and density, with the microfacet normal `h` between `o` and `i`, all in the frame of the normal.

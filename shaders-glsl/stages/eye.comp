@@ -24,7 +24,6 @@ layout(constant_id = 8) const bool REFLECTIONS = false;
 // Shadow rays from triangles with vertex normals start outside the mesh.
 layout(constant_id = 9) const bool TERMINATOR_OFFSET = false;
 
-#include "shading/bsdf.glsl"
 #include "shading/constants.glsl"
 #include "film/film.glsl"
 #include "device/grid.glsl"
@@ -36,7 +35,7 @@ layout(constant_id = 9) const bool TERMINATOR_OFFSET = false;
 #include "shading/coated_light.glsl"
 #include "shading/environment.glsl"
 #include "shading/sun.glsl"
-#include "shading/glossy.glsl"
+#include "shading/scattering.glsl"
 #include "shading/shadow_terminator.glsl"
 
 const bool THIN_LENS = (FEATURES & FEATURE_THIN_LENS) != 0u;
@@ -149,13 +148,6 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
     return split;
 }
 
-// Whether lights are sampled from a surface.
-bool samples_lights(Material material) {
-    return material.kind == MATERIAL_LAMBERT || material.kind == MATERIAL_GLOSSY
-        || (ROUGH_GLASS && kind_transmits(material.kind)
-            && material.roughness * material.roughness >= GGX_MIN_ALPHA);
-}
-
 // The surface as rays to lights see it, and paths that are weighed against them: `offset` is that of shadow rays.
 Surface lit_surface(Surface at, vec3 normal, vec3 offset) {
     if (!TERMINATOR_OFFSET || offset == vec3(0.0)) return at;
@@ -245,10 +237,11 @@ void main() {
                 emission += throughput * material.emission;
             }
             vec3 offset = vec3(0.0);
-            if (TERMINATOR_OFFSET && SHADING_NORMALS && samples_lights(material)) {
+            if (TERMINATOR_OFFSET && SHADING_NORMALS && material_samples_lights(material)) {
                 offset = shadow_terminator_at(push.scene, hit, at, word);
             }
-            if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
+            uint rule = scattering_at(material, sides);
+            if (GLOSSY && rule == SCATTERING_GLOSSY) {
                 vec3 seen = path.throughput;
                 if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before);
                 Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, false);
@@ -260,7 +253,9 @@ void main() {
                     leaves = leaves_base(glossy, sides.before, seen);
                 }
                 alive = reflect_path(path, pixel, at, offset, normal, sides.before, glossy, leaves, found);
-            } else if (!ROUGH_GLASS || !meet_rough_glass(path, pixel, at, offset, normal, material, sides, emission, alive)) {
+            } else if (ROUGH_GLASS && rule == SCATTERING_ROUGH_GLASS) {
+                alive = meet_rough_glass(path, pixel, at, offset, normal, material, sides, emission);
+            } else {
                 Bsdf bsdf = bsdf_new(material, at.cosine, sides);
                 if (bsdf.kind == MATERIAL_LAMBERT) {
                     vec3 throughput = path.throughput;

@@ -60,16 +60,14 @@ bool scatter_path(inout Path path, uint pixel, Surface at, vec3 offset, vec3 nor
     return true;
 }
 
-// If the path meets rough glass, adds the light that is sampled there, and continues the path. Returns whether it does.
+// Adds the light that is sampled at rough glass, and continues the path. Returns whether it goes on.
 bool meet_rough_glass(
     inout Path path, uint pixel, Surface at, vec3 offset, vec3 normal, Material material, Interface sides,
-    inout vec3 emission, inout bool alive
+    inout vec3 emission
 ) {
-    RoughGlass glass;
-    if (!rough_glass_new(push.scene, material, at.cosine, sides, glass)) return false;
+    RoughGlass glass = rough_glass_new(push.scene, material, at.cosine, sides);
     if (!REFLECTIONS) emission += light_through(path, pixel, at, offset, normal, sides, glass);
-    alive = scatter_path(path, pixel, at, offset, normal, sides, glass);
-    return true;
+    return scatter_path(path, pixel, at, offset, normal, sides, glass);
 }
 
 #endif

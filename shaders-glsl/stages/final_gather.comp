@@ -11,7 +11,6 @@ layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint MEDIA = 1;
 
-#include "shading/bsdf.glsl"
 #include "shading/constants.glsl"
 #include "device/grid.glsl"
 #include "shading/layout.glsl"
@@ -20,8 +19,7 @@ layout(constant_id = 2) const uint MEDIA = 1;
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
-#include "shading/glossy.glsl"
-#include "shading/rough_glass.glsl"
+#include "shading/scattering.glsl"
 #include "shading/shade.glsl"
 
 layout(push_constant, scalar) uniform Push {
@@ -86,74 +84,75 @@ void main() {
         if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
             throughput *= transmittance(push.scene, sides.before, at.t);
         }
-        if (ROUGH_GLASS) {
-            RoughGlass glass;
-            if (rough_glass_new(push.scene, material, at.cosine, sides, glass)) {
-                uvec4 random = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
-                RoughSample drawn = rough_glass_sample(push.scene, glass, -ray.direction, facing, unit_f32(random.x),
-                    unit_f32(random.y), unit_f32(random.z));
-                vec3 geometric = drawn.stays ? at.normal : -at.normal;
-                float limited = glossy_limited(drawn.direction, geometric, drawn.stays ? facing : -facing);
-                throughput *= glossy_weight(drawn.found, limited);
-                if (throughput == vec3(0.0)) break;
-                media = drawn.stays ? sides.before : sides.transmitted;
-                if (drawn.stays) ray = surface_leave(at, drawn.direction);
-                else ray = surface_pass(at, drawn.direction);
-                continue;
-            }
+        uint rule = scattering_at(material, sides);
+        // The bounce's random numbers, if they are needed.
+        uvec4 words = uvec4(0u);
+        if ((FOLLOWED && rule != SCATTERING_SIMPLE) || kind_transmits(material.kind)) {
+            words = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
         }
-        Bsdf bsdf = bsdf_new(material, at.cosine, sides);
-        uint lobe = bsdf_choose(bsdf, 0.0);
-        if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
+        vec3 random = vec3(unit_f32(words.x), unit_f32(words.y), unit_f32(words.z));
+        vec3 albedo;
+        if (GLOSSY && rule == SCATTERING_GLOSSY) {
             Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -ray.direction, false);
-            uvec4 choice = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
             float first = glossy.specular_probability;
-            if (unit_f32(choice.x) < first) {
+            if (random.x < first) {
                 vec3 onward;
-                Reflected reflected = glossy_sample(
-                    push.scene, glossy, -ray.direction, facing, unit_f32(choice.y), unit_f32(choice.z), onward);
+                Reflected reflected =
+                    glossy_sample(push.scene, glossy, -ray.direction, facing, random.y, random.z, onward);
                 throughput *= glossy_weight(reflected, glossy_limited(onward, at.normal, facing) / first);
                 if (throughput == vec3(0.0)) break;
                 ray = surface_leave(at, onward);
                 continue;
             }
-            bsdf.albedo = glossy.diffuse / (1.0 - first);
+            albedo = glossy.diffuse / (1.0 - first);
             float second = glossy.transmission_probability;
             if (DIFFUSE_TRANSMISSION && second > 0.0) {
-                if (glossy_rest(unit_f32(choice.x), first) < second) {
+                if (glossy_rest(random.x, first) < second) {
                     // The light of the other side.
-                    bsdf.albedo = glossy.transmitted / ((1.0 - first) * second);
+                    albedo = glossy.transmitted / ((1.0 - first) * second);
                     at.normal = -at.normal;
                     facing = -facing;
                 } else {
-                    bsdf.albedo = bsdf.albedo / (1.0 - second);
+                    albedo = albedo / (1.0 - second);
                 }
             }
-        }
-        if (bsdf_splits(bsdf)) {
-            uvec4 choice = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed);
-            lobe = bsdf_choose(bsdf, unit_f32(choice.x));
-        }
-        if (lobe != LOBE_DIFFUSE) {
-            throughput *= bsdf_weight(bsdf, lobe);
-            vec3 onward = bsdf_direction(bsdf, lobe, ray.direction, facing, 0.0, 0.0);
-            if (SHADING_NORMALS) onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
-            if (lobe == LOBE_SPECULAR_TRANSMISSION) {
-                ray = surface_pass(at, onward);
-                media = sides.transmitted;
-            } else {
-                ray = surface_leave(at, onward);
-            }
+        } else if (ROUGH_GLASS && rule == SCATTERING_ROUGH_GLASS) {
+            RoughGlass glass = rough_glass_new(push.scene, material, at.cosine, sides);
+            RoughSample drawn =
+                rough_glass_sample(push.scene, glass, -ray.direction, facing, random.x, random.y, random.z);
+            vec3 geometric = drawn.stays ? at.normal : -at.normal;
+            float limited = glossy_limited(drawn.direction, geometric, drawn.stays ? facing : -facing);
+            throughput *= glossy_weight(drawn.found, limited);
+            if (throughput == vec3(0.0)) break;
+            media = drawn.stays ? sides.before : sides.transmitted;
+            if (drawn.stays) ray = surface_leave(at, drawn.direction);
+            else ray = surface_pass(at, drawn.direction);
+            continue;
         } else {
-            // Radiance is irradiance times albedo over π; the π cancels.
-            landing.position = at.point;
-            landing.normal = at.normal;
-            if (GLASS) throughput *= radiance_scale(push.scene, start, sides.before);
-            landing.throughput = throughput * bsdf_weight(bsdf, lobe);
-            landing.media = sides.before;
-            if (SHADING_NORMALS) landing.shading_normal = octahedral_pack(facing);
-            break;
+            Bsdf bsdf = bsdf_new(material, at.cosine, sides);
+            uint lobe = bsdf_choose(bsdf, random.x);
+            if (lobe != LOBE_DIFFUSE) {
+                throughput *= bsdf_weight(bsdf, lobe);
+                vec3 onward = bsdf_direction(bsdf, lobe, ray.direction, facing, 0.0, 0.0);
+                if (SHADING_NORMALS) onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
+                if (lobe == LOBE_SPECULAR_TRANSMISSION) {
+                    ray = surface_pass(at, onward);
+                    media = sides.transmitted;
+                } else {
+                    ray = surface_leave(at, onward);
+                }
+                continue;
+            }
+            albedo = bsdf_weight(bsdf, lobe);
         }
+        // Radiance is irradiance times albedo over π; the π cancels.
+        landing.position = at.point;
+        landing.normal = at.normal;
+        if (GLASS) throughput *= radiance_scale(push.scene, start, sides.before);
+        landing.throughput = throughput * albedo;
+        landing.media = sides.before;
+        if (SHADING_NORMALS) landing.shading_normal = octahedral_pack(facing);
+        break;
     }
     push.landings[i].at = landing;
 }

@@ -30,14 +30,13 @@ layout(constant_id = 7) const uint MEDIA = 1;
 // Whether aimed paths store photons for the reflection of glossy surfaces only, and end there.
 layout(constant_id = 8) const bool REFLECTIONS = false;
 
-#include "shading/bsdf.glsl"
 #include "device/counter.glsl"
 #include "device/grid.glsl"
 #include "shading/octahedral.glsl"
 #include "shading/random.glsl"
 #include "shading/scene.glsl"
-#include "shading/glossy.glsl"
-#include "shading/rough_glass.glsl"
+#include "shading/photon_sample.glsl"
+#include "shading/scattering.glsl"
 #include "shading/shade.glsl"
 #include "stages/tally.glsl"
 
@@ -105,29 +104,9 @@ const bool ABSORPTION = (FEATURES & FEATURE_ABSORPTION) != 0u;
 
 bool is_finite3(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
 
-float greatest(vec3 v) { return max(max(v.x, v.y), v.z); }
-
-vec3 tinted(vec3 power, vec3 by) {
-    precise vec3 left = power * by;
-    return left;
-}
-
 vec3 over(vec3 power, float share) {
     precise vec3 left = power / share;
     return left;
-}
-
-// Russian roulette by the brightest channel; returns false if the photon is absorbed. With shading normals and at
-// glossy surfaces, weights may be above 1.
-bool russian_roulette(inout vec3 power, vec3 weight, float choice) {
-    precise vec3 next = power * weight;
-    precise float chance = greatest(next) / greatest(power);
-    // Comparisons with NaN (0/0) are false.
-    if (!(choice < chance) || is_nan(chance)) return false;
-    if (SHADING_NORMALS || FOLLOWED) chance = min(chance, 1.0);
-    precise vec3 left = next / chance;
-    power = left;
-    return true;
 }
 
 // The next path for this invocation, as an index among the given ones; `given` if there is none left.
@@ -236,83 +215,13 @@ void store(inout Path path, Surface at, vec3 power, float coverage) {
 // Whether the path's numbers are valid for continuing.
 bool is_sane(Path path) {
     return is_finite3(path.ray.origin) && is_finite3(path.ray.direction) && is_finite3(path.power)
-        && greatest(abs(path.power)) <= FATE_MAX_POWER;
+        && photon_greatest(abs(path.power)) <= FATE_MAX_POWER;
 }
 
 // Whether camera paths cannot find the light that a path comes from.
 bool has_delta_light(Path path) {
     uint kind = push.scene.lights[push.rays[push.chunk.first + path.index].at.light].at.kind;
     return kind == LIGHT_POINT || kind == LIGHT_SPOT || kind == LIGHT_DIRECTIONAL;
-}
-
-// Continues a path at a glossy surface: stores a photon for the base, and follows the base or the reflection.
-uint step_glossy(
-    inout Path path, Surface at, vec3 normal, Material material, Layers layers, bool stores, float coverage,
-    float choice, float u, float v
-) {
-    if (REFLECTIONS) {
-        if (path.bounce > 0u && has_delta_light(path)) store(path, at, path.power, coverage);
-        ++path.bounce;
-        return FATE_TERMINATED;
-    }
-    Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, true);
-    if (stores && !(AIMED && path.bounce == 0u)) {
-        store(path, at, tinted(path.power, vec3(glossy_entering(push.scene, glossy.coat, at.cosine))), coverage);
-    }
-    ++path.bounce;
-    float first = glossy.specular_probability;
-    vec3 incoming = path.ray.direction;
-    vec3 onward, weight;
-    float rest = glossy_rest(choice, first);
-    bool through = false;
-    if (choice < first) {
-        Reflected reflected = glossy_sample(push.scene, glossy, -incoming, normal, u, v, onward);
-        bool above = dot3(onward, at.normal) > 0.0 && dot3(incoming, at.normal) < 0.0;
-        precise float factor = shading_specular_factor(incoming, onward, at.normal, normal) / first;
-        weight = glossy_weight(reflected, above ? factor : 0.0);
-    } else {
-        if (AIMED) return FATE_TERMINATED;
-        path.specular_only = false;
-        float second = glossy.transmission_probability, side = 1.0, share = 1.0 - first;
-        vec3 albedo = glossy.diffuse;
-        if (DIFFUSE_TRANSMISSION && second > 0.0) {
-            float decides = glossy_rest(choice, first);
-            rest = glossy_rest(decides, second);
-            through = decides < second;
-            precise float both = share * (through ? second : 1.0 - second);
-            share = both;
-            if (through) {
-                side = -1.0;
-                albedo = glossy.transmitted;
-            }
-        }
-        onward = cosine_hemisphere(at.normal * side, u, v);
-        float ratio = shading_cosine_ratio(-incoming, at.normal, normal);
-        precise float factor =
-            glossy_entering(push.scene, glossy.coat, dot3(onward, normal) * side) * ratio / share;
-        weight = tinted(albedo, vec3(factor));
-    }
-    if (!russian_roulette(path.power, weight, rest)) return FATE_ABSORBED;
-    if (DIFFUSE_TRANSMISSION && through) path.ray = surface_pass(at, onward);
-    else path.ray = surface_leave(at, onward);
-    return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
-}
-
-// Continues a path at rough glass.
-uint step_rough_glass(inout Path path, Surface at, vec3 normal, Interface sides, RoughGlass glass, vec3 random) {
-    vec3 incoming = path.ray.direction;
-    RoughSample drawn = rough_glass_sample(push.scene, glass, -incoming, normal, random.x, random.y, random.z);
-    if (NESTED && !drawn.stays && sides.is_too_deep) path.too_deep = true;
-    path.media = drawn.stays ? sides.before : sides.transmitted;
-    ++path.bounce;
-    // Shading normals may send light to the wrong side.
-    bool lands = (dot3(drawn.direction, at.normal) > 0.0) == drawn.stays && dot3(incoming, at.normal) < 0.0;
-    float factor = shading_specular_factor(incoming, drawn.direction, at.normal, normal);
-    vec3 weight = glossy_weight(drawn.found, lands ? factor : 0.0);
-    if (!russian_roulette(path.power, weight, drawn.rest)) return FATE_ABSORBED;
-    if (drawn.stays) path.ray = surface_leave(at, drawn.direction);
-    else path.ray = surface_pass(at, drawn.direction);
-    return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
 }
 
 // Processes one surface; returns how the path ended there, or FATE_NONE.
@@ -331,63 +240,72 @@ uint step_path(inout Path path, Hit hit) {
     if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
     Interface sides = media_interface(push.scene, material, at.front, path.media);
     if (ABSORPTION && sides.before != VACUUM) {
-        path.power = tinted(path.power, transmittance(push.scene, sides.before, at.t));
+        path.power = photon_times(path.power, transmittance(push.scene, sides.before, at.t));
     }
     uvec4 words = sampler_words(path.numbers, BLOCK_SURFACES + path.bounce);
     float choice = unit_f32(words.x);
-    if (GLOSSY && material.kind == MATERIAL_GLOSSY) {
-        return step_glossy(
-            path, at, normal, material, layers, stores, coverage, choice, unit_f32(words.y), unit_f32(words.z));
-    }
-    if (ROUGH_GLASS) {
-        RoughGlass glass;
-        if (rough_glass_new(push.scene, material, at.cosine, sides, glass)) {
-            if (REFLECTIONS) {
-                ++path.bounce;
-                return FATE_TERMINATED;
-            }
-            return step_rough_glass(path, at, normal, sides, glass, vec3(choice, unit_f32(words.y), unit_f32(words.z)));
-        }
-    }
-    Bsdf bsdf = bsdf_new(material, at.cosine, sides);
-    uint lobe = bsdf_choose(bsdf, choice);
-    if (lobe == LOBE_DIFFUSE) {
-        if (stores && !REFLECTIONS && !(AIMED && path.bounce == 0u)) store(path, at, path.power, coverage);
-        if (AIMED) {
+    Arriving arriving =
+        Arriving(path.ray.direction, path.power, at.normal, normal, vec2(unit_f32(words.y), unit_f32(words.z)));
+    // Light straight from a light source is not counted by aimed paths.
+    bool is_counted = !(AIMED && path.bounce == 0u);
+    PhotonSample left;
+    bool survives;
+    bool enters = false;
+    uint rule = scattering_at(material, sides);
+    if (GLOSSY && rule == SCATTERING_GLOSSY) {
+        if (REFLECTIONS) {
+            if (path.bounce > 0u && has_delta_light(path)) store(path, at, path.power, coverage);
             ++path.bounce;
             return FATE_TERMINATED;
         }
-        path.specular_only = false;
-    } else if (lobe == LOBE_SPECULAR_TRANSMISSION) {
+        Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, true);
+        if (stores && is_counted) {
+            vec3 entering = vec3(glossy_entering(push.scene, glossy.coat, at.cosine));
+            store(path, at, photon_times(path.power, entering), coverage);
+        }
+        float rest;
+        uint lobe = glossy_lobe_choose(glossy, choice, rest);
+        if (lobe != GLOSSY_LOBE_REFLECTION) {
+            if (AIMED) {
+                ++path.bounce;
+                return FATE_TERMINATED;
+            }
+            path.specular_only = false;
+        }
+        survives = photon_glossy(push.scene, glossy, lobe, rest, arriving, left);
+    } else if (ROUGH_GLASS && rule == SCATTERING_ROUGH_GLASS) {
+        if (REFLECTIONS) {
+            ++path.bounce;
+            return FATE_TERMINATED;
+        }
+        RoughGlass glass = rough_glass_new(push.scene, material, at.cosine, sides);
+        RoughSample drawn = rough_glass_sample(
+            push.scene, glass, -path.ray.direction, normal, choice, arriving.uv.x, arriving.uv.y);
+        enters = !drawn.stays;
+        path.media = sides.before;
+        survives = photon_rough_glass(drawn, arriving, left);
+    } else {
+        Bsdf bsdf = bsdf_new(material, at.cosine, sides);
+        uint lobe = bsdf_choose(bsdf, choice);
+        if (lobe == LOBE_DIFFUSE) {
+            if (stores && !REFLECTIONS && is_counted) store(path, at, path.power, coverage);
+            if (AIMED) {
+                ++path.bounce;
+                return FATE_TERMINATED;
+            }
+            path.specular_only = false;
+        }
+        enters = lobe == LOBE_SPECULAR_TRANSMISSION;
+        survives = photon_simple(bsdf, lobe, choice, arriving, left);
+    }
+    if (enters) {
         if (NESTED && sides.is_too_deep) path.too_deep = true;
         path.media = sides.transmitted;
     }
-    bool absorbed = false;
-    vec3 weight = bsdf_weight(bsdf, lobe);
-    vec3 onward;
-    if (SHADING_NORMALS) {
-        onward = bsdf_direction(bsdf, lobe, path.ray.direction, lobe == LOBE_DIFFUSE ? at.normal : normal,
-            unit_f32(words.y), unit_f32(words.z));
-        float factor = shading_cosine_ratio(-path.ray.direction, at.normal, normal);
-        if (lobe != LOBE_DIFFUSE) {
-            onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
-            factor = shading_specular_factor(path.ray.direction, onward, at.normal, normal);
-        }
-        weight = tinted(weight, vec3(factor));
-    }
-    if (bsdf_splits(bsdf)) {
-        // The lobe was selected with the random word.
-        path.power = tinted(path.power, weight);
-    } else {
-        absorbed = !russian_roulette(path.power, weight, choice);
-    }
     ++path.bounce;
-    if (absorbed) return FATE_ABSORBED;
-    if (!SHADING_NORMALS) {
-        onward =
-            bsdf_direction(bsdf, lobe, path.ray.direction, at.normal, unit_f32(words.y), unit_f32(words.z));
-    }
-    path.ray = lobe == LOBE_SPECULAR_TRANSMISSION ? surface_pass(at, onward) : surface_leave(at, onward);
+    if (!survives) return FATE_ABSORBED;
+    path.power = left.power;
+    path.ray = left.passes ? surface_pass(at, left.direction) : surface_leave(at, left.direction);
     return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
 }
 

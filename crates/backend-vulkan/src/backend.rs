@@ -80,7 +80,8 @@ impl Backend for Vulkan {
     }
 
     fn timings(&mut self) -> Result<StageTimings> {
-        let timings = self.profile.take(&mut self.recorder)?;
+        let mut timings = self.profile.take(&mut self.recorder)?;
+        timings.add(Stage::Compile, self.compile_seconds());
         self.surface()?;
         Ok(timings)
     }

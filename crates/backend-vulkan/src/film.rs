@@ -4,8 +4,6 @@
 //! floats each: a device need not support f64 or float atomics. A layer is allocated when something is first
 //! added to it.
 
-use std::ops::Range;
-
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Estimate, Film, Layer, Query, Result, Units, check_size};
 
@@ -17,13 +15,12 @@ use crate::vulkan::Vulkan;
 
 mod backend;
 pub(crate) mod errors;
+mod read_back;
 #[cfg(test)]
 mod tests;
 
 /// Invocations per workgroup; the work is bound by memory.
 const GROUP: u32 = 128;
-/// Pixels read back at a time.
-const BLOCK: usize = 1 << 16;
 
 /// Sums over finished passes, and the current pass.
 #[derive(Debug)]
@@ -275,69 +272,22 @@ pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     picture.passes = film.passes;
     let sums = film.layers.iter().flatten().flat_map(|plane| (0..6).map(|i| (&plane.sum, i)));
     let planes: Vec<_> = (0..FIRST_PLANES).map(|i| (&film.first_sum, i)).chain(sums).collect();
-    let pixels = &mut picture.pixels;
-    home(on, &planes, pixels.len(), |chunk| {
-        for (i, pixel) in pixels[chunk.pixels.clone()].iter_mut().enumerate() {
-            let first = |plane: u32, axis: usize| chunk.sum(plane as usize + axis, FIRST_LOW as usize, i);
-            pixel.normal = std::array::from_fn(|axis| first(FIRST_NORMAL, axis));
-            pixel.albedo = std::array::from_fn(|axis| first(FIRST_ALBEDO, axis));
-            pixel.depth = first(FIRST_DEPTH, 0);
-            // The device squares the sum of the channels, not their mean.
-            pixel.square = first(FIRST_SQUARE, 0) / 9.0;
-            pixel.hits = u64::from(chunk.word(FIRST_HITS as usize, i));
-            let mut plane = FIRST_PLANES;
-            for (sum, _) in pixel.layers.iter_mut().zip(&film.layers).filter(|(_, plane)| plane.is_some()) {
-                *sum = std::array::from_fn(|channel| chunk.sum(plane + channel, 3, i));
-                plane += 6;
-            }
+    read_back::planes(on, &planes, &mut picture.pixels, |at, pixel| {
+        let first = |plane: u32, axis: usize| at.sum(plane as usize + axis, FIRST_LOW as usize);
+        pixel.normal = std::array::from_fn(|axis| first(FIRST_NORMAL, axis));
+        pixel.albedo = std::array::from_fn(|axis| first(FIRST_ALBEDO, axis));
+        pixel.depth = first(FIRST_DEPTH, 0);
+        // The device squares the sum of the channels, not their mean.
+        pixel.square = first(FIRST_SQUARE, 0) / 9.0;
+        pixel.hits = u64::from(at.word(FIRST_HITS as usize));
+        let mut plane = FIRST_PLANES;
+        for (sum, _) in pixel.layers.iter_mut().zip(&film.layers).filter(|(_, plane)| plane.is_some()) {
+            *sum = std::array::from_fn(|channel| at.sum(plane + channel, 3));
+            plane += 6;
         }
     })?;
     errors::read(on, film, &mut picture)?;
     Ok(picture)
-}
-
-/// Words of several planes for a range of pixels.
-struct PixelChunk<'a> {
-    pixels: Range<usize>,
-    /// The words, plane after plane.
-    words: &'a [u32],
-}
-
-impl PixelChunk<'_> {
-    /// The word of a plane for the `i`th pixel of the range.
-    fn word(&self, plane: usize, i: usize) -> u32 {
-        self.words[plane * self.pixels.len() + i]
-    }
-
-    /// A sum of two floats: the high part in plane `plane`, the low part `low` planes further on.
-    fn sum(&self, plane: usize, low: usize, i: usize) -> f64 {
-        let float = |plane: usize| f64::from(f32::from_bits(self.word(plane, i)));
-        float(plane) + float(plane + low)
-    }
-}
-
-/// Reads back planes, given as memory and plane index, one range of pixels of all planes at a time.
-fn home(
-    on: &mut Vulkan,
-    planes: &[(&Memory, usize)],
-    pixels: usize,
-    mut take: impl FnMut(&PixelChunk<'_>),
-) -> Result<()> {
-    let mut words = vec![0_u32; planes.len() * BLOCK.min(pixels)];
-    let together = on.memory("film", words.len() as u64 * 4).map_err(label)?;
-    for start in (0..pixels).step_by(BLOCK) {
-        let length = BLOCK.min(pixels - start);
-        on.unordered(|on| {
-            planes.iter().enumerate().try_for_each(|(to, &(memory, plane))| {
-                let (from, to) = ((plane * pixels + start) * 4, to * length * 4);
-                on.copy(memory, from as u64, &together, to as u64, length as u64 * 4)
-            })
-        })?;
-        let words = &mut words[..planes.len() * length];
-        on.read(&together, 0, bytemuck::cast_slice_mut(words))?;
-        take(&PixelChunk { pixels: start..start + length, words });
-    }
-    Ok(())
 }
 
 fn zeroed(on: &mut Vulkan, bytes: u64) -> Result<Memory> {

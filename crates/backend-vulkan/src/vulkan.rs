@@ -144,6 +144,11 @@ impl Vulkan {
         self.pipelines.kernel(module, workgroup, constants)
     }
 
+    /// Seconds spent on compiling kernels since the last call.
+    pub(crate) fn compile_seconds(&mut self) -> f64 {
+        self.pipelines.take_seconds()
+    }
+
     /// Dispatches the given number of workgroups of a kernel.
     pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &ComputePipeline, push: &P, workgroups: u64) -> Result<()> {
         if workgroups == 0 {
@@ -203,6 +208,12 @@ impl Vulkan {
     pub(crate) fn read(&mut self, from: &Memory, offset: u64, to: &mut [u8]) -> Result<()> {
         check(from, offset, to.len() as u64);
         self.recorder.read(from, offset, to)
+    }
+
+    /// Submits all commands, waits, and calls `take` with the data of these parts, `bytes` of each, one after another.
+    pub(crate) fn read_parts(&mut self, parts: &[(&Memory, u64)], bytes: u64, take: impl FnOnce(&[u8])) -> Result<()> {
+        parts.iter().for_each(|&(from, offset)| check(from, offset, bytes));
+        self.recorder.read_parts(parts, bytes, take)
     }
 
     /// Records the commands of `f` without barriers between them: they must access disjoint memory.

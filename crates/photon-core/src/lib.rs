@@ -78,9 +78,11 @@ pub use shading::layers::Layers;
 pub use shading::reflection_lobe::ReflectionLobe;
 pub use shading::rough_glass::{RoughGlass, RoughSample};
 pub use shading::rough_glass_table::RoughGlassTable;
+pub use shading::scattering::{Scattering, Vertex};
 pub use shading::shade::{Shaded, Shading};
 pub use shading::sheen_lobe::SheenTable;
 pub use shading::{
     alpha, anisotropy, area, clearcoat, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset,
-    random, rough_glass, sampling, shade, shading_normal, shadow_terminator, sheen, sobol, solid_angle, texture,
+    photon_sample, random, rough_glass, sampling, shade, shading_normal, shadow_terminator, sheen, sobol, solid_angle,
+    texture,
 };

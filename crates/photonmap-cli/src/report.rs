@@ -29,6 +29,10 @@ pub struct Details<'a> {
     pub lights: &'a [LightShare],
     /// Seconds spent loading.
     pub seconds_load: f64,
+    /// Seconds spent opening the device, and preparing the renderer on it.
+    pub seconds_start: f64,
+    /// Seconds from the first pass to the film on the host.
+    pub seconds_passes: f64,
     /// Seconds from start to finished film.
     pub seconds_total: f64,
 }
@@ -120,8 +124,11 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         "bytes": facts.memory.iter().cloned().map(|(label, bytes)| (label, Value::from(bytes))).collect::<serde_json::Map<_, _>>(),
         "seconds": {
             "load": details.seconds_load,
+            "start": details.seconds_start,
+            "passes": details.seconds_passes,
             "bvh": facts.setup.get(Stage::Prepare),
-            "pilot": Stage::ALL.iter().map(|&stage| facts.setup.get(stage)).sum::<f64>() - facts.setup.get(Stage::Prepare),
+            "pipelines": facts.setup.get(Stage::Compile) + seconds(Stage::Compile),
+            "pilot": Stage::ALL[2..].iter().map(|&stage| facts.setup.get(stage)).sum::<f64>(),
             "emit+trace": tracing,
             "build": seconds(Stage::Build),
             "eye": seconds(Stage::Eye),

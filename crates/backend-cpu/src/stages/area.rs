@@ -6,7 +6,7 @@ use photon_core::area::{self, HEIGHT, MIN_RADIUS, Probe, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    AreaProbe, EstimateBuffers, EstimateParams, Features, Lobe, MaterialKind, Pass, Query, RandomKind, Ray, Result,
+    AreaProbe, EstimateBuffers, EstimateParams, Features, Lobe, Pass, Query, RandomKind, Ray, Result,
     SurfaceInteraction, anisotropy, math, offset, sampling,
 };
 use rayon::prelude::*;
@@ -128,8 +128,7 @@ impl Disc<'_> {
                 let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
                 let Some((_, surface)) = opaque::<ALPHA>(scene, down) else { continue };
                 let material = &scene.materials[surface.material as usize];
-                let keeps =
-                    if gather.reflection { material.kind() == MaterialKind::Glossy } else { material.stores_photons() };
+                let keeps = if gather.reflection { material.has_reflection() } else { material.stores_photons() };
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
                 let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
                 if same && (away <= free || !enclosed::<ALPHA>(scene, &surface)) {

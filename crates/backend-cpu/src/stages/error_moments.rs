@@ -6,7 +6,7 @@ use photon_core::{ErrorMoments, Estimate, EstimateParams, PhotonMoments, samplin
 
 use crate::map::power::Power;
 use crate::map::{CpuMap, Powers};
-use crate::stages::estimate::{Scattering, Sum, VisiblePoint};
+use crate::stages::estimate::{PowerFactor, Sum, VisiblePoint};
 
 /// The estimate of `Search::Radius`, identical to the bit, and the error moments of the photons within √2 times the
 /// radius.
@@ -26,13 +26,13 @@ pub(crate) fn estimate_with_moments_at(
             true => estimate_with_moments_of::<true, _>(map, power, point, gather),
         }
     }
-    match (map.powers(), point.scattering) {
+    match (map.powers(), point.factor) {
         (Powers::Grey(powers), _) => either(map, |slot| powers[slot as usize], point, gather),
-        (Powers::Colour(powers), Scattering::Even) => either(map, |slot| powers[slot as usize], point, gather),
-        (Powers::Colour(powers), Scattering::Shaded(shading)) => {
+        (Powers::Colour(powers), PowerFactor::Even) => either(map, |slot| powers[slot as usize], point, gather),
+        (Powers::Colour(powers), PowerFactor::Shaded(shading)) => {
             either(map, |slot| powers[slot as usize] * VisiblePoint::ratio(map, shading, slot), point, gather)
         }
-        (Powers::Colour(powers), Scattering::Reflected(lobe)) => {
+        (Powers::Colour(powers), PowerFactor::Reflected(lobe)) => {
             either(map, |slot| powers[slot as usize] * VisiblePoint::reflected(map, &lobe, slot), point, gather)
         }
     }

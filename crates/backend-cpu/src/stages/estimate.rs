@@ -123,12 +123,12 @@ pub(crate) struct VisiblePoint {
     /// Unit normal, on the visible side.
     pub(crate) normal: Vec3,
     pub(crate) radius: f32,
-    pub(crate) scattering: Scattering,
+    pub(crate) factor: PowerFactor,
 }
 
 /// What the power of each photon is multiplied by.
 #[derive(Clone, Copy)]
-pub(crate) enum Scattering {
+pub(crate) enum PowerFactor {
     /// 1: diffuse, without shading normals.
     Even,
     /// Diffuse, with this shading normal.
@@ -137,7 +137,7 @@ pub(crate) enum Scattering {
     Reflected(ReflectionLobe),
 }
 
-impl Scattering {
+impl PowerFactor {
     /// For a diffuse surface with the shading normal `shading`.
     pub(crate) fn diffuse(shading: Vec3, gather: &EstimateParams) -> Self {
         if gather.shading_normals { Self::Shaded(shading) } else { Self::Even }
@@ -156,8 +156,8 @@ impl Scattering {
 impl VisiblePoint {
     fn of(query: &Query, gather: &EstimateParams) -> Self {
         let radius = query.radius * gather.radius_scale;
-        let scattering = Scattering::of(query, gather);
-        Self { position: query.position, normal: query.normal.into(), radius, scattering }
+        let factor = PowerFactor::of(query, gather);
+        Self { position: query.position, normal: query.normal.into(), radius, factor }
     }
 
     /// Factor on the power of a photon at a point with the shading normal `shading`.
@@ -192,16 +192,16 @@ pub(crate) fn estimate_at(
     gather: &EstimateParams,
     scratch: &mut Neighbours,
 ) -> Estimate {
-    match (map.powers(), point.scattering) {
+    match (map.powers(), point.factor) {
         (Powers::Grey(powers), _) => estimate_of(map, |slot| powers[slot as usize], point, gather, scratch),
-        (Powers::Colour(powers), Scattering::Even) => {
+        (Powers::Colour(powers), PowerFactor::Even) => {
             estimate_of(map, |slot| powers[slot as usize], point, gather, scratch)
         }
-        (Powers::Colour(powers), Scattering::Shaded(shading)) => {
+        (Powers::Colour(powers), PowerFactor::Shaded(shading)) => {
             let power = |slot| powers[slot as usize] * VisiblePoint::ratio(map, shading, slot);
             estimate_of(map, power, point, gather, scratch)
         }
-        (Powers::Colour(powers), Scattering::Reflected(lobe)) => {
+        (Powers::Colour(powers), PowerFactor::Reflected(lobe)) => {
             let power = |slot| powers[slot as usize] * VisiblePoint::reflected(map, &lobe, slot);
             estimate_of(map, power, point, gather, scratch)
         }

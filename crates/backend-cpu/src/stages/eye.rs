@@ -4,9 +4,9 @@ use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, Camera, EyeTracer, Features, FilmPixel, Glossy, Hit, Layer, Layers, Light, Lobe, Material, MaterialKind,
-    MediumStack, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, RoughGlass, SurfaceInteraction, View,
-    anisotropy, octahedral, sampling, shading_normal, shadow_terminator,
+    Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,
+    QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SurfaceInteraction, Vertex, View, anisotropy,
+    octahedral, sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
 
@@ -244,7 +244,7 @@ impl Eye<'_> {
         }
         // Where rays to lights start, and paths that are weighed against them.
         let (mut lit, mut offset) = (surface, Vec3::ZERO);
-        if SHADED && self.terminator_offset && samples_lights(material) {
+        if SHADED && self.terminator_offset && material.samples_lights() {
             let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
             offset = self.scene.shadow_offset::<ALPHA>(&surface, &hit, layer);
             if offset != Vec3::ZERO {
@@ -267,31 +267,39 @@ impl Eye<'_> {
             shading_normal: if SHADED { octahedral::pack(normal) } else { 0 },
             coat,
         };
-        if SHADED && material.kind() == MaterialKind::Glossy {
-            let glossy = Glossy::at(material, &layers, surface.cosine, -path.ray.direction, false);
-            let at = GlossyPoint { surface: &lit, normal, media: interface.before, glossy: &glossy };
-            let leaves = if REFLECTIONS {
-                // Relative to the normal as the query has it.
-                let packed = || anisotropy::pack(&layers, octahedral::unpack(octahedral::pack(normal)));
-                let anisotropy = self.scene.present.contains(Features::ANISOTROPY).then(packed);
-                Leaves::reflection(material, &layers, &glossy, seen(), anisotropy)
-            } else {
-                self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
-                Leaves::base(&at, seen())
-            };
-            return self.reflect(path, &at, &leaves, queries, query, sampler);
-        }
-        if SHADED
-            && self.scene.features.contains(Features::ROUGH_GLASS)
-            && let Some(glass) = RoughGlass::new(&self.scene.rough_glass, material, surface.cosine, &interface)
-        {
-            let at = RoughPoint { surface: &surface, lit: &lit, normal, interface: &interface, glass: &glass };
-            if !REFLECTIONS {
-                self.light_through::<ALPHA>(path, &at, pixel, sampler);
+        let wo = -path.ray.direction;
+        let vertex = Vertex {
+            material,
+            layers: &layers,
+            wo,
+            cosine: surface.cosine,
+            interface: &interface,
+            carries_light: false,
+        };
+        let rules = if SHADED { self.scene.features } else { self.scene.features.difference(Features::FOLLOWED) };
+        let bsdf = match Scattering::at(rules, &self.scene.rough_glass, &vertex) {
+            Scattering::Glossy(glossy) => {
+                let at = GlossyPoint { surface: &lit, normal, media: interface.before, glossy: &glossy };
+                let leaves = if REFLECTIONS {
+                    // Relative to the normal as the query has it.
+                    let packed = || anisotropy::pack(&layers, octahedral::unpack(octahedral::pack(normal)));
+                    let anisotropy = self.scene.present.contains(Features::ANISOTROPY).then(packed);
+                    Leaves::reflection(material, &layers, &glossy, seen(), anisotropy)
+                } else {
+                    self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
+                    Leaves::base(&at, seen())
+                };
+                return self.reflect(path, &at, &leaves, queries, query, sampler);
             }
-            return self.scatter(path, &at, sampler).then_some(None);
-        }
-        let bsdf = Bsdf::new(self.scene.features, material, surface.cosine, &interface);
+            Scattering::RoughGlass(glass) => {
+                let at = RoughPoint { surface: &surface, lit: &lit, normal, interface: &interface, glass: &glass };
+                if !REFLECTIONS {
+                    self.light_through::<ALPHA>(path, &at, pixel, sampler);
+                }
+                return self.scatter(path, &at, sampler).then_some(None);
+            }
+            Scattering::Simple(bsdf) => bsdf,
+        };
         if material.is_diffuse() {
             let throughput = bsdf.diffuse_throughput(seen());
             if throughput != Vec3::ZERO && !REFLECTIONS {
@@ -339,11 +347,6 @@ impl Eye<'_> {
         *path = go_on(lobe);
         Some(None)
     }
-}
-
-/// Whether lights are sampled from a surface.
-fn samples_lights(material: &Material) -> bool {
-    matches!(material.kind(), MaterialKind::Lambert | MaterialKind::Glossy) || material.is_rough_glass()
 }
 
 /// The ray through a point of the image; both coordinates are in `[-1, 1]`.

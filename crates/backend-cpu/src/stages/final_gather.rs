@@ -3,9 +3,9 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Bsdf, Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Glossy, Layer, Layers, Lobe, MapKind,
-    Maps, MaterialKind, MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, RoughGlass, glossy,
-    octahedral, offset, sampling, shading_normal,
+    Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Layer, Layers, Lobe, MapKind, Maps,
+    MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, Vertex, glossy, octahedral, offset,
+    sampling, shading_normal,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -13,7 +13,7 @@ use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::CpuScene;
 use crate::stages::error_moments::estimate_with_moments_at;
-use crate::stages::estimate::{Scattering, VisiblePoint, estimate_at};
+use crate::stages::estimate::{PowerFactor, VisiblePoint, estimate_at};
 
 /// Traces gather rays from the queries to the points where the maps are evaluated.
 #[derive(Debug)]
@@ -171,12 +171,44 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         }
         let interface = scene.interface(&surface, media);
         throughput *= scene.attenuation(interface.before, surface.t);
-        let mut albedo = Vec3::from(material.albedo);
-        if SHADED && scene.features.contains(Features::ROUGH_GLASS) {
-            let table = &scene.rough_glass;
-            if let Some(glass) = RoughGlass::new(table, material, surface.cosine, &interface) {
-                let [choice, u, v, _] = sampler.words(block + bounce);
-                let sampled = glass.sample(table, -ray.direction, normal, [choice, u, v].map(unit_f32));
+        let wo = -ray.direction;
+        let vertex = Vertex {
+            material,
+            layers: &layers,
+            wo,
+            cosine: surface.cosine,
+            interface: &interface,
+            carries_light: false,
+        };
+        let rules = if SHADED { scene.features } else { scene.features.difference(Features::FOLLOWED) };
+        // The bounce's random numbers, if they are needed.
+        let mut words = || sampler.words(block + bounce).map(unit_f32);
+        let albedo = match Scattering::at(rules, &scene.rough_glass, &vertex) {
+            Scattering::Glossy(glossy) => {
+                let [choice, u, v, _] = words();
+                let first = glossy.specular_probability();
+                if choice < first {
+                    let (direction, reflected) = glossy.sample(wo, normal, u, v);
+                    throughput *= reflected.weight(glossy::limited(direction, surface.normal, normal) / first);
+                    if throughput == Vec3::ZERO {
+                        break;
+                    }
+                    ray = surface.spawn(Lobe::SpecularReflection, direction);
+                    continue;
+                }
+                let second = glossy.transmission_probability();
+                if second > 0.0 && glossy::rest_of(choice, first) < second {
+                    // The light of the other side.
+                    (surface.normal, normal) = (-surface.normal, -normal);
+                    glossy.transmitted() / ((1.0 - first) * second)
+                } else {
+                    let albedo = glossy.diffuse() / (1.0 - first);
+                    if second > 0.0 { albedo / (1.0 - second) } else { albedo }
+                }
+            }
+            Scattering::RoughGlass(glass) => {
+                let [choice, u, v, _] = words();
+                let sampled = glass.sample(&scene.rough_glass, wo, normal, [choice, u, v]);
                 let stays = sampled.lobe == Lobe::SpecularReflection;
                 let towards = |normal: Vec3| if stays { normal } else { -normal };
                 let (geometric, shading) = (towards(surface.normal), towards(normal));
@@ -188,86 +220,52 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 ray = surface.spawn(sampled.lobe, sampled.direction);
                 continue;
             }
-        }
-        let bsdf = Bsdf::new(scene.features, material, surface.cosine, &interface);
-        let lobe = if SHADED && material.kind() == MaterialKind::Glossy {
-            let glossy = Glossy::at(material, &layers, surface.cosine, -ray.direction, false);
-            let [choice, u, v, _] = sampler.words(block + bounce);
-            let first = glossy.specular_probability();
-            if unit_f32(choice) < first {
-                let (direction, reflected) = glossy.sample(-ray.direction, normal, unit_f32(u), unit_f32(v));
-                throughput *= reflected.weight(glossy::limited(direction, surface.normal, normal) / first);
-                if throughput == Vec3::ZERO {
-                    break;
+            Scattering::Simple(bsdf) => {
+                let lobe = bsdf.choose(if bsdf.split().is_some() { words()[0] } else { 0.0 });
+                if lobe != Lobe::Diffuse {
+                    throughput *= bsdf.weight(lobe);
+                    let mut direction = bsdf.direction(lobe, ray.direction, normal, 0.0, 0.0);
+                    if SHADED {
+                        direction = shading_normal::on_side_of(lobe, direction, surface.normal);
+                    }
+                    ray = surface.spawn(lobe, direction);
+                    if lobe == Lobe::SpecularTransmission {
+                        media = interface.transmitted;
+                    }
+                    continue;
                 }
-                ray = surface.spawn(Lobe::SpecularReflection, direction);
-                continue;
-            }
-            let second = glossy.transmission_probability();
-            if second > 0.0 && glossy::rest_of(unit_f32(choice), first) < second {
-                // The light of the other side.
-                albedo = glossy.transmitted() / ((1.0 - first) * second);
-                (surface.normal, normal) = (-surface.normal, -normal);
-            } else {
-                albedo = glossy.diffuse() / (1.0 - first);
-                if second > 0.0 {
-                    albedo /= 1.0 - second;
-                }
-            }
-            Lobe::Diffuse
-        } else {
-            match bsdf.split() {
-                None => bsdf.choose(0.0),
-                Some(_) => {
-                    let [choice, ..] = sampler.words(block + bounce);
-                    bsdf.choose(unit_f32(choice))
-                }
+                bsdf.weight(lobe)
             }
         };
-        match lobe {
-            Lobe::SpecularReflection | Lobe::SpecularTransmission => {
-                throughput *= bsdf.weight(lobe);
-                let mut direction = bsdf.direction(lobe, ray.direction, normal, 0.0, 0.0);
-                if SHADED {
-                    direction = shading_normal::on_side_of(lobe, direction, surface.normal);
-                }
-                ray = surface.spawn(lobe, direction);
-                if lobe == Lobe::SpecularTransmission {
-                    media = interface.transmitted;
-                }
-            }
-            Lobe::Diffuse => {
-                let throughput = throughput * scene.radiance_scale(start, interface.before) * albedo;
-                let mut found = Found::default();
-                let at = |gather: &EstimateParams| VisiblePoint {
-                    position: surface.point.into(),
-                    normal: surface.normal,
-                    radius: gather.radius_scale,
-                    scattering: Scattering::diffuse(normal, gather),
-                };
-                if let Some((map, gather)) = &maps.irradiance {
-                    let estimate = estimate_at(map, at(gather), gather, &mut scratch[MapKind::Global]);
-                    found.irradiance = estimate.flux.map(f64::from);
-                    return found.times(throughput.to_array());
-                }
-                for (kind, map) in maps.photons.iter() {
-                    let Some((map, gather)) = map else { continue };
-                    let paths = maps.paths[kind];
-                    let estimate = if with_errors {
-                        let (estimate, moments) = estimate_with_moments_at(map, at(gather), gather);
-                        found.add_moments(&estimate, &moments, paths);
-                        estimate
-                    } else {
-                        estimate_at(map, at(gather), gather, &mut scratch[kind])
-                    };
-                    for (sum, e) in found.irradiance.iter_mut().zip(estimate.irradiance(paths)) {
-                        *sum += e;
-                    }
-                }
-                // Outgoing radiance is irradiance × albedo / π; the π cancels.
-                return found.times(throughput.to_array());
+        let throughput = throughput * scene.radiance_scale(start, interface.before) * albedo;
+        let mut found = Found::default();
+        let at = |gather: &EstimateParams| VisiblePoint {
+            position: surface.point.into(),
+            normal: surface.normal,
+            radius: gather.radius_scale,
+            factor: PowerFactor::diffuse(normal, gather),
+        };
+        if let Some((map, gather)) = &maps.irradiance {
+            let estimate = estimate_at(map, at(gather), gather, &mut scratch[MapKind::Global]);
+            found.irradiance = estimate.flux.map(f64::from);
+            return found.times(throughput.to_array());
+        }
+        for (kind, map) in maps.photons.iter() {
+            let Some((map, gather)) = map else { continue };
+            let paths = maps.paths[kind];
+            let estimate = if with_errors {
+                let (estimate, moments) = estimate_with_moments_at(map, at(gather), gather);
+                found.add_moments(&estimate, &moments, paths);
+                estimate
+            } else {
+                estimate_at(map, at(gather), gather, &mut scratch[kind])
+            };
+            for (sum, e) in found.irradiance.iter_mut().zip(estimate.irradiance(paths)) {
+                *sum += e;
             }
         }
+        // Outgoing radiance is irradiance × albedo / π; the π cancels.
+        return found.times(throughput.to_array());
     }
     Found::default()
 }

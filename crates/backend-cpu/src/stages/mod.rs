@@ -13,6 +13,5 @@ pub(crate) mod final_gather;
 pub(crate) mod irradiance;
 pub(crate) mod light_sample;
 pub(crate) mod light_sampler;
-mod photon_scattering;
 pub(crate) mod trace;
 mod trace_batch;

@@ -4,18 +4,18 @@ mod kernel;
 mod scheduling;
 
 use photon_core::glam::Vec3;
+use photon_core::photon_sample::{Arriving, GlossyLobe, PhotonSample};
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Bsdf, Deposits, Fate, Features, FixedFlux, Glossy, Hit, Layers, Light, Lobe, MapKind, Material,
-    MaterialKind, MediaFeatures, MediumStack, PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result,
-    RoughGlass, Scheduling, Settings, SkipLimit, Tally, Tracer, light_features, octahedral, shading_normal,
+    Batch, Deposits, Fate, Features, FixedFlux, Hit, Layers, Light, Lobe, MapKind, MediaFeatures, MediumStack, PerMap,
+    Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, Scattering, Scheduling, Settings, SkipLimit,
+    SurfaceInteraction, Tally, Tracer, Vertex, light_features, octahedral, shading_normal,
 };
 
 use self::kernel::{AIMED, BATCHED, NESTED, REFLECTED, REFLECTIONS, SHADED, kernel};
 use self::scheduling::{share_dynamically, share_statically};
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
-use crate::stages::photon_scattering::{GlossyLobe, glossy_scattered, rough_weight, russian_roulette, scattered};
 use crate::stages::trace_batch;
 
 /// Paths per block of dynamic scheduling. The result does not depend on it.
@@ -235,118 +235,119 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         let [choice, u, v, _] = sampler.words(block);
         let (choice, u, v) = (unit_f32(choice), unit_f32(u), unit_f32(v));
         // Aimed paths store no photon at the first surface: light straight from a light source is not theirs to count.
-        let stores = if reflections { is_reflected(scene, start, material) } else { stores };
-        let mut store = |power: Vec3, tally: &mut Tally| {
-            if stores && !(aimed && bounce == 0) {
-                let kind = MapKind::of_path(specular_only, bounce);
-                if walk.wanted[kind] {
-                    tally.stored[kind] += 1;
-                    // Where a surface is there for a share of the photons, each stands for those that passed.
-                    let arriving =
-                        if features.contains(Features::ALPHA) { power / scene.coverage(&hit) } else { power };
-                    output.photons[kind].push(Photon {
-                        position: surface.point.into(),
-                        normal: octahedral::pack(surface.normal),
-                        power: arriving.into(),
-                        direction: octahedral::pack(-ray.direction),
-                    });
-                }
+        let is_first = aimed && bounce == 0;
+        let kind = MapKind::of_path(specular_only, bounce);
+        let target = if is_first || !walk.wanted[kind] { None } else { Some(&mut output.photons[kind]) };
+        // Where a surface is there for a share of the photons, each stands for those that passed.
+        let covered = if features.contains(Features::ALPHA) { Some((scene, &hit)) } else { None };
+        let wo = -ray.direction;
+        let store = Store { target, kind, surface: &surface, wo, covered };
+        if reflections && material.has_reflection() {
+            if is_reflected(scene, start) {
+                store.add(power, tally);
             }
+            return tally.end(Fate::Terminated, flux);
+        }
+        let vertex = Vertex {
+            material,
+            layers: &layers,
+            wo,
+            cosine: surface.cosine,
+            interface: &interface,
+            carries_light: true,
         };
-        if features.contains(Features::GLOSSY) && material.kind() == MaterialKind::Glossy {
-            if reflections {
-                store(power, tally);
-                return tally.end(Fate::Terminated, flux);
-            }
-            let glossy = Glossy::at(material, &layers, surface.cosine, -ray.direction, true);
-            if stores {
-                store(power * glossy.coat().entering(surface.cosine), tally);
-            }
-            let (lobe, rest) = GlossyLobe::choose(&glossy, choice);
-            if lobe != GlossyLobe::Reflection {
-                if aimed {
-                    return tally.end(Fate::Terminated, flux);
-                }
-                specular_only = false;
-            }
-            let (onward, weight) = glossy_scattered(&glossy, lobe, ray.direction, surface.normal, normal, (u, v));
-            let Some(next) = russian_roulette(power, weight, rest, true) else {
-                return tally.end(Fate::Absorbed, flux);
-            };
-            power = next;
-            ray = surface.spawn(lobe.side(), onward);
-            carry(power, &mut flux, tally);
-            continue;
-        }
-        if features.contains(Features::ROUGH_GLASS) && scene.features.contains(Features::ROUGH_GLASS) {
-            let table = &scene.rough_glass;
-            if let Some(glass) = RoughGlass::new(table, material, surface.cosine, &interface) {
-                if reflections {
-                    return tally.end(Fate::Terminated, flux);
-                }
-                let sampled = glass.sample(table, -ray.direction, normal, [choice, u, v]);
-                media = interface.before;
-                if sampled.lobe == Lobe::SpecularTransmission {
-                    media = interface.transmitted;
-                    if nested && !too_deep && interface.is_too_deep {
-                        too_deep = true;
-                        tally.too_deep += 1;
-                    }
-                }
-                let weight = rough_weight(&sampled, ray.direction, surface.normal, normal);
-                let Some(next) = russian_roulette(power, weight, sampled.rest, true) else {
-                    return tally.end(Fate::Absorbed, flux);
-                };
-                power = next;
-                ray = surface.spawn(sampled.lobe, sampled.direction);
-                carry(power, &mut flux, tally);
-                continue;
-            }
-        }
-        let bsdf = Bsdf::new(features, material, surface.cosine, &interface);
-        let lobe = bsdf.choose(choice);
-        match lobe {
-            Lobe::Diffuse => {
-                store(power, tally);
-                if aimed {
-                    return tally.end(Fate::Terminated, flux);
-                }
-                specular_only = false;
-            }
-            Lobe::SpecularTransmission => {
+        let arriving =
+            Arriving { incoming: ray.direction, power, geometric: surface.normal, shading: normal, uv: [u, v] };
+        let mut enter = |lobe: Lobe, tally: &mut Tally| {
+            if lobe == Lobe::SpecularTransmission {
                 if nested && !too_deep && interface.is_too_deep {
                     too_deep = true;
                     tally.too_deep += 1;
                 }
                 media = interface.transmitted;
             }
-            Lobe::SpecularReflection => {}
-        }
-        let mut weight = bsdf.weight(lobe);
-        let onward = if shaded {
-            let (direction, factor) = scattered(&bsdf, lobe, ray.direction, surface.normal, normal, (u, v));
-            weight *= factor;
-            direction
-        } else {
-            bsdf.direction(lobe, ray.direction, surface.normal, u, v)
         };
-        if bsdf.split().is_some() {
-            // The random number has been used to choose the lobe.
-            power *= weight;
-        } else {
-            let Some(next) = russian_roulette(power, weight, choice, shaded) else {
-                return tally.end(Fate::Absorbed, flux);
-            };
-            power = next;
-        }
-        ray = surface.spawn(lobe, onward);
+        let rules = if shaded { features & scene.features } else { features };
+        let left = match Scattering::at(rules, &scene.rough_glass, &vertex) {
+            Scattering::Glossy(glossy) => {
+                if stores {
+                    store.add(power * glossy.coat().entering(surface.cosine), tally);
+                }
+                let chosen = GlossyLobe::choose(&glossy, choice);
+                if chosen.0 != GlossyLobe::Reflection {
+                    if aimed {
+                        return tally.end(Fate::Terminated, flux);
+                    }
+                    specular_only = false;
+                }
+                PhotonSample::glossy(&glossy, chosen, &arriving)
+            }
+            Scattering::RoughGlass(_) if reflections => return tally.end(Fate::Terminated, flux),
+            Scattering::RoughGlass(glass) => {
+                let sampled = glass.sample(&scene.rough_glass, wo, normal, [choice, u, v]);
+                enter(sampled.lobe, tally);
+                if sampled.lobe == Lobe::SpecularReflection {
+                    media = interface.before;
+                }
+                PhotonSample::rough_glass(&sampled, &arriving)
+            }
+            Scattering::Simple(bsdf) => {
+                let lobe = bsdf.choose(choice);
+                enter(lobe, tally);
+                if lobe == Lobe::Diffuse {
+                    if stores && !reflections {
+                        store.add(power, tally);
+                    }
+                    if aimed {
+                        return tally.end(Fate::Terminated, flux);
+                    }
+                    specular_only = false;
+                }
+                if shaded {
+                    PhotonSample::shaded(&bsdf, lobe, choice, &arriving)
+                } else {
+                    PhotonSample::flat(&bsdf, lobe, choice, &arriving)
+                }
+            }
+        };
+        let Some(left) = left else {
+            return tally.end(Fate::Absorbed, flux);
+        };
+        power = left.power;
+        ray = surface.spawn(left.lobe, left.direction);
         carry(power, &mut flux, tally);
     }
     tally.end(Fate::Truncated, flux);
 }
 
-/// Whether a path from `start` stores a photon for the reflection at `material`: if camera paths cannot find its light.
-fn is_reflected(scene: &CpuScene, start: &PhotonRay, material: &Material) -> bool {
+/// Where a photon that arrives at a surface is stored.
+struct Store<'a> {
+    /// `None`: nowhere.
+    target: Option<&'a mut Vec<Photon>>,
+    kind: MapKind,
+    surface: &'a SurfaceInteraction,
+    wo: Vec3,
+    /// Where the surface is there for a share of the photons: its hit.
+    covered: Option<(&'a CpuScene, &'a Hit)>,
+}
+
+impl Store<'_> {
+    #[inline(always)]
+    fn add(self, power: Vec3, tally: &mut Tally) {
+        let Some(photons) = self.target else { return };
+        tally.stored[self.kind] += 1;
+        let arriving = self.covered.map_or(power, |(scene, hit)| power / scene.coverage(hit));
+        photons.push(Photon {
+            position: self.surface.point.into(),
+            normal: octahedral::pack(self.surface.normal),
+            power: arriving.into(),
+            direction: octahedral::pack(self.wo),
+        });
+    }
+}
+
+/// Whether camera paths cannot find the light that a path from `start` carries.
+fn is_reflected(scene: &CpuScene, start: &PhotonRay) -> bool {
     let is_delta = |light: &Light| light_features(light).intersects(Features::DELTA_LIGHTS);
-    material.kind() == MaterialKind::Glossy && scene.lights.get(start.light as usize).is_some_and(is_delta)
+    scene.lights.get(start.light as usize).is_some_and(is_delta)
 }

@@ -31,4 +31,4 @@ pub(crate) use module::Module;
 pub(crate) use pipelines::Specialized;
 pub(crate) use pipelines::{ComputePipeline, Pipelines};
 pub(crate) use profile::Profile;
-pub(crate) use recorder::{Groups, Recorder};
+pub(crate) use recorder::{Groups, READ_BACK, Recorder};

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 use ash::vk;
 use photon_core::Result;
@@ -37,6 +38,8 @@ pub(crate) struct Pipelines {
     begun_with: usize,
     compiled: BTreeMap<Specialized, ComputePipeline>,
     fresh: bool,
+    /// Seconds spent on compiling since they were last asked for.
+    seconds: f64,
 }
 
 impl Pipelines {
@@ -61,6 +64,7 @@ impl Pipelines {
             begun_with: old.len(),
             compiled: BTreeMap::new(),
             fresh: false,
+            seconds: 0.0,
         })
     }
 
@@ -79,6 +83,7 @@ impl Pipelines {
         if let Some(kernel) = self.compiled.get(&key) {
             return Ok(*kernel);
         }
+        let begun = Instant::now();
         let keep = self.device.limits.keeps_denormals;
         let words = if keep { module.words_that_keep_denormals() } else { module.words() };
         let words = specialize(&words, &constants);
@@ -100,7 +105,13 @@ impl Pipelines {
         self.fresh = true;
         let kernel = ComputePipeline { pipeline, name: module.name, workgroup };
         self.compiled.insert(key, kernel);
+        self.seconds += begun.elapsed().as_secs_f64();
         Ok(kernel)
+    }
+
+    /// Seconds spent on compiling since the last call.
+    pub(crate) fn take_seconds(&mut self) -> f64 {
+        std::mem::take(&mut self.seconds)
     }
 
     /// Size of the cache data read from disk.

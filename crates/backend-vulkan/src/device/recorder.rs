@@ -18,7 +18,7 @@ use super::queue::Queue;
 /// Commands after which a submission is made, so that the device starts while the host goes on recording.
 const PILE: u32 = 256;
 /// Size in bytes of the staging buffer for downloads.
-const READ_BACK: u64 = 32 << 20;
+pub(crate) const READ_BACK: u64 = 32 << 20;
 /// Up to this size, uploads are embedded in the command buffer.
 const INLINE: usize = 32 << 10;
 
@@ -159,24 +159,36 @@ impl Recorder {
     /// Submits everything, waits, and copies the data.
     pub(crate) fn read(&mut self, from: &Memory, offset: u64, to: &mut [u8]) -> Result<()> {
         for (part, to) in to.chunks_mut(READ_BACK as usize).enumerate() {
-            let bytes = to.len() as u64;
-            let mut through = match self.read_back.take() {
-                Some(memory) if memory.bytes() >= bytes => memory,
-                _ => {
-                    let size = if bytes <= 65_536 { 65_536 } else { READ_BACK };
-                    Memory::new(&self.device, "download", size, MemoryLocation::GpuToCpu)?
-                }
-            };
-            self.copy((from, offset + part as u64 * READ_BACK), (&through, 0), bytes)?;
-            let commands = self.commands()?;
-            debug_assert_eq!(self.open, Some(commands));
-            self.wait()?;
-            match through.mapped() {
-                Some(mapped) => to.copy_from_slice(&mapped[..to.len()]),
-                None => return Err(super::Fault::Other("memory for downloads is not host-visible".to_owned()).into()),
-            }
-            self.read_back = Some(through);
+            let range = (from, offset + part as u64 * READ_BACK);
+            self.read_parts(&[range], to.len() as u64, |bytes| to.copy_from_slice(bytes))?;
         }
+        Ok(())
+    }
+
+    /// Submits everything, waits, and calls `take` with the data of these parts, `bytes` of each, one after another. They are
+    /// copied without barriers between them.
+    pub(crate) fn read_parts(&mut self, parts: &[(&Memory, u64)], bytes: u64, take: impl FnOnce(&[u8])) -> Result<()> {
+        let all = parts.len() as u64 * bytes;
+        let mut through = match self.read_back.take() {
+            Some(memory) if memory.bytes() >= all => memory,
+            _ => {
+                let size = if all <= 65_536 { 65_536 } else { READ_BACK.max(all) };
+                Memory::new(&self.device, "download", size, MemoryLocation::GpuToCpu)?
+            }
+        };
+        self.set_ordered(false)?;
+        let mut parts = parts.iter().enumerate();
+        let copied = parts.try_for_each(|(i, &from)| self.copy(from, (&through, i as u64 * bytes), bytes));
+        self.set_ordered(true)?;
+        copied?;
+        let commands = self.commands()?;
+        debug_assert_eq!(self.open, Some(commands));
+        self.wait()?;
+        match through.mapped() {
+            Some(mapped) => take(&mapped[..all as usize]),
+            None => return Err(super::Fault::Other("memory for downloads is not host-visible".to_owned()).into()),
+        }
+        self.read_back = Some(through);
         Ok(())
     }
 

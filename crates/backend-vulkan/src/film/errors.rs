@@ -4,7 +4,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
 
-use super::{GROUP, VulkanFilm, home, zeroed};
+use super::{GROUP, VulkanFilm, read_back, zeroed};
 use crate::constants::{
     ERROR_BIAS, ERROR_BIAS_SQUARE, ERROR_LOW, ERROR_NARROW, ERROR_NARROW_SQUARE, MOMENTS_LOW, MOMENTS_POWER,
     MOMENTS_POWER_SQUARED, MOMENTS_QUADRUPOLE, MOMENTS_SLOPE, MOMENTS_STRAY,
@@ -204,25 +204,23 @@ pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Re
     let photon_moments =
         errors.photon_moments.values().flatten().flat_map(|(_, sum)| (0..2 * MOMENTS).map(move |i| (sum, i)));
     let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(photon_moments).collect();
-    home(on, &planes, picture.pixels.len(), |chunk| {
-        for (i, pixel) in all[chunk.pixels.clone()].iter_mut().enumerate() {
-            [pixel.bias, pixel.bias_square, pixel.narrow, pixel.narrow_square] =
-                [ERROR_BIAS, ERROR_BIAS_SQUARE, ERROR_NARROW, ERROR_NARROW_SQUARE]
-                    .map(|plane| chunk.sum(plane as usize, SUMS, i));
-            let mut first = 2 * SUMS;
-            for (_, map_moments) in
-                pixel.photon_moments.iter_mut().filter(|(kind, _)| errors.photon_moments[*kind].is_some())
-            {
-                let sum = |plane: u32| chunk.sum(first + plane as usize, MOMENTS, i);
-                *map_moments = PhotonMoments {
-                    power: sum(MOMENTS_POWER),
-                    power_squared: sum(MOMENTS_POWER_SQUARED),
-                    slope: [sum(MOMENTS_SLOPE), sum(MOMENTS_SLOPE + 1)],
-                    quadrupole: [sum(MOMENTS_QUADRUPOLE), sum(MOMENTS_QUADRUPOLE + 1)],
-                    stray: sum(MOMENTS_STRAY),
-                };
-                first += 2 * MOMENTS;
-            }
+    read_back::planes(on, &planes, &mut all, |at, pixel| {
+        [pixel.bias, pixel.bias_square, pixel.narrow, pixel.narrow_square] =
+            [ERROR_BIAS, ERROR_BIAS_SQUARE, ERROR_NARROW, ERROR_NARROW_SQUARE]
+                .map(|plane| at.sum(plane as usize, SUMS));
+        let mut first = 2 * SUMS;
+        for (_, map_moments) in
+            pixel.photon_moments.iter_mut().filter(|(kind, _)| errors.photon_moments[*kind].is_some())
+        {
+            let sum = |plane: u32| at.sum(first + plane as usize, MOMENTS);
+            *map_moments = PhotonMoments {
+                power: sum(MOMENTS_POWER),
+                power_squared: sum(MOMENTS_POWER_SQUARED),
+                slope: [sum(MOMENTS_SLOPE), sum(MOMENTS_SLOPE + 1)],
+                quadrupole: [sum(MOMENTS_QUADRUPOLE), sum(MOMENTS_QUADRUPOLE + 1)],
+                stray: sum(MOMENTS_STRAY),
+            };
+            first += 2 * MOMENTS;
         }
     })?;
     picture.errors = Some(all);

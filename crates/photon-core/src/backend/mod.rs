@@ -193,6 +193,8 @@ pub struct Fill {
 pub enum Stage {
     /// The scene is uploaded to the device, and its ray-tracing structure built.
     Prepare,
+    /// Kernels are compiled, or found in the cache on disk: the first time that they are needed.
+    Compile,
     /// Photons are emitted from the lights.
     Emit,
     /// Photons are traced through the scene.
@@ -213,8 +215,9 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order of execution.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Prepare,
+        Self::Compile,
         Self::Emit,
         Self::Trace,
         Self::Build,
@@ -230,6 +233,7 @@ impl Stage {
     pub fn name(self) -> &'static str {
         match self {
             Self::Prepare => "prepare",
+            Self::Compile => "compile",
             Self::Emit => "emit",
             Self::Trace => "trace",
             Self::Build => "build",

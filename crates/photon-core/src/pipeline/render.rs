@@ -169,11 +169,11 @@ const GIVE_UP: u32 = 256;
 pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut dyn Observer) -> Result<Outcome> {
     let plan = plan.into();
     plan.validate()?;
-    let clock = Instant::now();
+    let mut clock = Clock::new();
     let mut outcome = Outcome::default();
     let mut next_look = FORECAST_PASSES;
     for index in plan.first..plan.first.saturating_add(plan.passes()) {
-        if is_over(&plan, &outcome, clock.elapsed()) {
+        if is_over(&plan, &outcome, &clock) {
             break;
         }
         let (report, flow) = match renderer.pass(index, observer)? {
@@ -185,16 +185,19 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
             }
         };
         outcome.add(report);
+        clock.pass_done();
         if flow.is_break() {
             outcome.cancelled = outcome.passes < plan.passes();
             break;
         }
-        if observer.wants_film(outcome.passes) && observer.on_event(&Event::Film(&renderer.film()?)).is_break() {
+        if observer.wants_film(outcome.passes)
+            && clock.apart(|_| Ok::<_, Error>(observer.on_event(&Event::Film(&renderer.film()?))))?.is_break()
+        {
             outcome.cancelled = outcome.passes < plan.passes();
             break;
         }
         if outcome.passes == next_look {
-            let forecast = look(renderer, &plan, &outcome, clock.elapsed())?;
+            let forecast = clock.apart(|clock| look(renderer, &plan, &outcome, clock))?;
             next_look = after(&plan, outcome.passes, forecast.as_ref());
             let Some(forecast) = forecast else {
                 if matches!(plan.until, Budget::Error { .. }) {
@@ -217,7 +220,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
         return Err(Error::Cancelled);
     }
     if outcome.passes >= FORECAST_PASSES {
-        outcome.reached = look(renderer, &plan, &outcome, clock.elapsed())?;
+        outcome.reached = look(renderer, &plan, &outcome, &clock)?;
     }
     Ok(outcome)
 }
@@ -236,24 +239,73 @@ fn patience(renderer: &mut dyn Render, passes: u32) -> Result<()> {
 
 /// Whether to stop before the next pass: the budget is spent, or the next pass would exceed the time by more than
 /// half of its duration.
-fn is_over(plan: &Plan, outcome: &Outcome, elapsed: Duration) -> bool {
+fn is_over(plan: &Plan, outcome: &Outcome, clock: &Clock) -> bool {
     if outcome.passes == 0 {
         return false;
     }
     let photons = matches!(plan.until, Budget::Photons(photons) if outcome.paths >= photons);
-    let pass = elapsed / outcome.passes;
-    photons || plan.time().is_some_and(|time| elapsed + pass / 2 > time)
+    photons || plan.time().is_some_and(|time| clock.elapsed() + clock.pass() / 2 > time)
+}
+
+/// Times the passes. The first one also compiles kernels and allocates, and forecasts read the film: they do not count for
+/// the duration of a pass.
+struct Clock {
+    begun: Instant,
+    passes: u32,
+    first: Duration,
+    /// Time spent on other things since the first pass.
+    apart: Duration,
+    /// When the last pass or other thing ended.
+    last: Duration,
+}
+
+impl Clock {
+    fn new() -> Self {
+        let zero = Duration::ZERO;
+        Self { begun: Instant::now(), passes: 0, first: zero, apart: zero, last: zero }
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.begun.elapsed()
+    }
+
+    fn pass_done(&mut self) {
+        self.passes += 1;
+        self.last = self.elapsed();
+        if self.passes == 1 {
+            self.first = self.last;
+        }
+    }
+
+    /// Does something that is no pass.
+    fn apart<T>(&mut self, what: impl FnOnce(&Self) -> T) -> T {
+        let begun = Instant::now();
+        let result = what(self);
+        self.apart += begun.elapsed();
+        self.last = self.elapsed();
+        result
+    }
+
+    /// Mean duration of the passes so far without the first, if there were others.
+    fn pass(&self) -> Duration {
+        match self.passes {
+            0 => Duration::ZERO,
+            1 => self.first,
+            passes => self.last.saturating_sub(self.first + self.apart) / (passes - 1),
+        }
+    }
 }
 
 /// The present error estimate and a forecast for more passes, with radii adapted to the remaining budget.
-fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, elapsed: Duration) -> Result<Option<Forecast>> {
+fn look(renderer: &mut dyn Render, plan: &Plan, outcome: &Outcome, clock: &Clock) -> Result<Option<Forecast>> {
     let (target, share) = match plan.until {
         Budget::Error { target, share_of_pixels } => (Some(target), share_of_pixels),
         _ => (None, SHARE),
     };
     let Some(mut model) = renderer.model(share)? else { return Ok(None) };
-    let pass = elapsed.as_secs_f64() / f64::from(outcome.passes);
-    let in_time = plan.time().map_or(f64::INFINITY, |time| time.as_secs_f64() / pass);
+    let pass = clock.pass().as_secs_f64().max(f64::MIN_POSITIVE);
+    let left = |time: Duration| time.saturating_sub(clock.elapsed()).as_secs_f64();
+    let in_time = plan.time().map_or(f64::INFINITY, |time| f64::from(outcome.passes) + left(time) / pass);
     // Limited by u32 and by the plan.
     let possible = in_time.min(f64::from(plan.passes())).max(f64::from(outcome.passes)) as u32;
     // Radii are adapted to the remaining passes once, and not with a budget of passes or photons, which
@@ -325,6 +377,20 @@ mod tests {
         fn facts(&self) -> Facts {
             unreachable!("not used by these tests")
         }
+    }
+
+    #[test]
+    fn the_first_pass_and_forecasts_are_no_measure_of_a_pass() {
+        let seconds = Duration::from_secs;
+        let mut clock = Clock { passes: 1, first: seconds(5), last: seconds(5), ..Clock::new() };
+        assert_eq!(clock.pass(), seconds(5));
+        // Four passes of 2 s, and a forecast of 3 s among them.
+        (clock.passes, clock.last, clock.apart) = (5, seconds(16), seconds(3));
+        assert_eq!(clock.pass(), seconds(2));
+        // What ends later than the last pass moves the end too.
+        clock.begun = Instant::now().checked_sub(seconds(20)).unwrap();
+        clock.apart(|_| ());
+        assert!(clock.last >= seconds(20));
     }
 
     fn passes(plan: impl Into<Plan>) -> u32 {

@@ -161,6 +161,28 @@ impl Material {
         }
     }
 
+    /// Whether camera paths sample lights here, for the light that arrives or that the surface scatters. After textures are
+    /// evaluated.
+    #[inline]
+    #[must_use]
+    pub fn samples_lights(&self) -> bool {
+        match self.kind() {
+            MaterialKind::Lambert | MaterialKind::Glossy => true,
+            MaterialKind::Dielectric | MaterialKind::Thin => self.is_rough_glass(),
+            MaterialKind::Mirror => false,
+        }
+    }
+
+    /// Whether light of the map for reflections is estimated here: [`crate::GlossCaustics`].
+    #[inline]
+    #[must_use]
+    pub const fn has_reflection(&self) -> bool {
+        match self.kind() {
+            MaterialKind::Glossy => true,
+            MaterialKind::Lambert | MaterialKind::Mirror | MaterialKind::Dielectric | MaterialKind::Thin => false,
+        }
+    }
+
     /// Whether the surface may be only partly there: [`Material::ALPHA`].
     #[inline]
     #[must_use]

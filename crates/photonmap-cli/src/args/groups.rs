@@ -73,8 +73,9 @@ pub struct OutputArgs {
     pub output: Vec<PathBuf>,
     /// Exposure of the PNG, in stops, or `auto`.
     ///
-    /// `auto` makes the mean of the logarithm of the luminance that of a grey of 18 %: of the pixels that are not black,
-    /// without the darkest and the brightest tenth. It is printed. An EXR is not affected.
+    /// `auto` makes the mean of the logarithm of the luminance that of a grey of 18 %: of the pixels at least half
+    /// covered by surfaces (all, if there are none) and not black, without the darkest and the brightest tenth. It is
+    /// printed. An EXR is not affected.
     #[arg(long, value_name = "EV|auto", default_value = "0", allow_negative_numbers = true, hide_short_help = true)]
     pub exposure: Exposure,
     /// Tone curve of the PNG.

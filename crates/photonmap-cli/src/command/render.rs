@@ -37,7 +37,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let (scene, loaded) = load::scene(&args.scene)?;
     let seconds_load = begun.elapsed().as_secs_f64();
     let view = args.settings.picture.view(&scene)?;
+    let begun_opening = Instant::now();
     let mut renderers = start(args, &scene, view, &settings)?;
+    let ready = Instant::now();
     let mut warnings = scene.warnings().to_vec();
     let starving = starving(&scene, &*renderers[0]);
     starving.iter().for_each(|warning| eprintln!("warning: {warning}"));
@@ -58,6 +60,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
             (render_passes::run(args, settings.photons, renderer, begun, (&mut watch, &stop))?, renderer.film()?, None)
         }
     };
+    let seconds_passes = ready.elapsed().as_secs_f64();
     watch.finish(&film);
     let renderer = &*renderers[0];
     let device = render_blocks::devices(&renderers);
@@ -84,6 +87,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         warnings: &warnings,
         lights: &photon_core::light_shares(&scene.view()),
         seconds_load,
+        seconds_start: (ready - begun_opening).as_secs_f64(),
+        seconds_passes,
         seconds_total,
     };
     let mut written = Vec::new();

@@ -97,6 +97,8 @@ def description(scene):
         camera + "lookat.target": scene.target,
         camera + "up": scene.up,
         camera + "fieldofview": scene.fov,
+        # Its pictures are a row too low; the window is therefore moved by a pixel.
+        camera + "screenwindow": (-1.0, 1.0, -1.0 - 2.0 / SIZE, 1.0 - 2.0 / SIZE),
     }
     for number, mesh in enumerate(scene.meshes):
         material, volume = f"scene.materials.m{number}.", f"scene.volumes.v{number}."

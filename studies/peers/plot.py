@@ -32,7 +32,7 @@ def draw(entries, path):
 
     scenes = sorted({entry.row.scene for entry in entries})
     style = styles(sorted({entry.row.variant for entry in entries}))
-    differ = {(e.row.scene, e.row.variant, e.row.net) for e in entries if e.means.verdict == "differs"}
+    differ = {(e.row.scene, e.row.variant, e.row.net) for e in entries if e.means.verdict in ("differs", "shifted")}
     figure, panels = pyplot.subplots(len(scenes), 3, figsize=(9.0, 2.6 * len(scenes)), squeeze=False, sharex=True)
     for column, measure in enumerate(MEASURES):
         found = ladders(entries, measure)

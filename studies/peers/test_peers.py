@@ -45,6 +45,12 @@ def test_means_of_a_very_noisy_picture_are_no_confirmation(picture):
     assert measures.compare_means(noisy, picture).verdict == "too noisy"
 
 
+def test_a_picture_that_is_a_pixel_off_is_refused(picture):
+    noisy = picture * (1.0 + 0.1 * np.random.default_rng(6).standard_normal(SHAPE))
+    for axis in (0, 1):
+        assert measures.compare_means(np.roll(noisy, 1, axis=axis), picture).verdict == "shifted"
+
+
 def test_standard_error_of_the_mean_has_its_closed_form(picture):
     sigma = 0.3
     flat = np.ones(SHAPE)

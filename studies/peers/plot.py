@@ -7,6 +7,8 @@ TITLES = {"all": "all pixels", "caustic": "caustic pixels", "median": "median pi
 COLOURS = {"ours": "#c0392b", "mitsuba": "#2471a3", "lux": "#7d8c3a", "povray": "#7d3c98"}
 DASHES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1))]
 MARKERS = "osD^v"
+# Labels of the axis of time.
+SECONDS = (1, 2, 5, 10, 20)
 
 
 def styles(variants):
@@ -42,11 +44,13 @@ def draw(entries, path):
                     continue
                 line = {**style[variant], "linewidth": 1.6 if variant.startswith("ours") else 1.0}
                 panel.plot(*zip(*points), **{**line, "marker": ""})
-                for seconds, error in points:
-                    fill = "white" if (scene, variant, seconds) in differ else line["color"]
-                    panel.plot([seconds], [error], color=line["color"], marker=line["marker"], ms=4, mfc=fill)
+                fills = ["white" if (scene, variant, s) in differ else line["color"] for s, _ in points]
+                places = {"marker": line["marker"], "s": 14, "facecolors": fills, "edgecolors": line["color"]}
+                panel.scatter(*zip(*points), **places, zorder=3)
             panel.set(xscale="log", yscale="log", title=f"{scene}, {TITLES[measure]}")
-            panel.grid(which="major", linewidth=0.3)
+            panel.set_xticks(SECONDS, map(str, SECONDS))
+            panel.minorticks_off()
+            panel.grid(linewidth=0.3)
             if not panel.lines:
                 panel.set_axis_off()
         panels[-1, column].set_xlabel("processor seconds")

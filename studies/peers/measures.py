@@ -117,3 +117,15 @@ def compare_means(picture, reference):
             if not differs(picture, reference * brighter)[2]:
                 verdict = "too noisy"
     return Means(tuple(map(float, ratio)), tuple(map(float, error)), verdict)
+
+
+def block_differences(picture, reference, block=32):
+    """Root mean squares over blocks of pixels: of the relative difference of their means, and of its standard error, as
+    if errors of pixels were independent. Where the first is not larger, no bias is seen."""
+    height, width = picture.shape[:2]
+    off, mean = (x.mean(axis=2) for x in (picture - reference, reference))
+    shape = (height // block, block, width // block, block)
+    cells, means = (x.reshape(shape).swapaxes(1, 2).reshape(-1, block * block) for x in (off, mean))
+    difference = cells.mean(axis=1) / means.mean(axis=1)
+    error = cells.std(axis=1, ddof=1) / block / means.mean(axis=1)
+    return math.sqrt((difference**2).mean()), math.sqrt((error**2).mean())

@@ -19,6 +19,7 @@ class Entry:
     row: Row
     errors: measures.Errors
     means: measures.Means
+    blocks: tuple
     noise: measures.Errors
 
     def near_noise(self, measure):
@@ -34,7 +35,8 @@ def evaluate(store, references):
             reference, picture = references[row.scene], store.picture(row)
             errors = measures.errors(picture, reference.picture, reference.caustic)
             means = measures.compare_means(picture, reference.picture)
-            entries.append(Entry(row, errors, means, reference.noise))
+            blocks = measures.block_differences(picture, reference.picture)
+            entries.append(Entry(row, errors, means, blocks, reference.noise))
     return entries
 
 
@@ -58,6 +60,7 @@ def columns(entry):
         yield f"relmse_{measure}" if measure != "median" else "median", "" if error is None else f"{error:.3e}"
     for channel, ratio, error in zip("rgb", means.ratio, means.error):
         yield from ((f"mean_{channel}", f"{ratio:.4f}"), (f"mean_{channel}_error", f"{error:.4f}"))
+    yield from zip(("blocks", "blocks_error"), (f"{share:.4f}" for share in entry.blocks), strict=True)
     yield from (("means", means.verdict), ("version", row.version), ("settings", row.settings))
 
 

@@ -78,6 +78,18 @@ def test_relmse_of_known_perturbations():
     assert measures.relmse(two + [[[1.0] * 3, [0.0] * 3]], two) == pytest.approx(0.5 / 1.04, rel=1e-12)
 
 
+def test_block_differences_separate_bias_from_noise():
+    flat, draw = np.ones((256, 256, 3)), np.random.default_rng(7)
+    noisy = flat + 0.2 * draw.standard_normal((256, 256, 1))
+    found, expected = measures.block_differences(noisy, flat)
+    # 0.2/32 for each of 64 blocks, with the relative standard error 1/√128 of their root mean square.
+    assert abs(found / (0.2 / 32) - 1.0) < 4.5 / math.sqrt(128)
+    assert abs(expected / (0.2 / 32) - 1.0) < 4.5 / math.sqrt(2 * 256 * 256)
+    noisy[:, :128] *= 1.05
+    found, expected = measures.block_differences(noisy, flat)
+    assert found > 4.5 * expected
+
+
 def test_caustic_pixels_have_more_than_a_fifth_from_caustics():
     layers = {"RGB": np.full((1, 3, 3), 1.0), "caustic": np.array([[[0.19] * 3, [0.21] * 3, [1.0] * 3]])}
     assert measures.caustic_pixels(layers).tolist() == [[False, True, True]]
@@ -128,7 +140,9 @@ def test_rows_are_kept_and_damaged_ones_refused(tmp_path, picture):
 def test_only_another_renderer_confirms_a_reference(picture):
     def entry(renderer, off):
         found = measures.errors(picture * off, picture, np.zeros(SHAPE[:2], bool))
-        return table.Entry(row(renderer=renderer), found, measures.compare_means(picture * off, picture), found)
+        return table.Entry(
+            row(renderer=renderer), found, measures.compare_means(picture * off, picture), (0.0, 0.0), found
+        )
 
     assert table.unconfirmed([entry("ours", 1.0), entry("mitsuba", 1.05)]) == ["cornell"]
     assert table.unconfirmed([entry("ours", 1.05), entry("mitsuba", 1.0)]) == []

@@ -76,16 +76,16 @@ def measure(args, tools, store, scene, versions):
 
 
 def report(args, store, references):
-    """Writes peers.csv, peers.md and peers.svg; returns the number of references that nobody confirms."""
+    """Writes peers.csv, peers.md and peers.png; returns the number of references that nobody confirms."""
     entries = table.evaluate(store, references)
     if not entries:
         raise PeersError(f"{args.out} has no runs of these scenes", "leave --report-only out")
     (args.out / "peers.csv").write_text(table.to_csv(entries))
-    parts = [table.references_markdown(references), table.to_markdown(entries)]
+    parts = [table.references_markdown(references), table.to_markdown(table.longest(entries))]
     parts.append(table.equal_error_markdown(entries, args.beside))
     (args.out / "peers.md").write_text("\n".join(parts))
-    plot.draw(entries, args.out / "peers.svg")
-    print(f"wrote {args.out}/peers.csv, peers.md and peers.svg")
+    plot.draw(entries, args.out / "peers.png")
+    print(f"wrote {args.out}/peers.csv, peers.md and peers.png")
     missing = table.unconfirmed(entries)
     for name in missing:
         print(f"{name}: UNCONFIRMED, the mean of no other renderer agrees with the reference")

@@ -38,6 +38,9 @@ COMMON = {
     "sampler.type": "SOBOL",
     "sampler.sobol.adaptive.strength": 0.0,
 }
+# Radius of a search among caustic photons, about 1.3 times the width of a pixel; with LuxCore's own, 0.15, the squared
+# error in the caustic pixels of `cornell-glass` is 1.
+RADIUS = {"cornell-glass": 0.04, "ring-point": 0.01}
 ENGINES = {
     "path": {"renderengine.type": "PATHCPU"},
     "hybrid": {"renderengine.type": "PATHCPU", "path.hybridbackforward.enable": 1},
@@ -66,7 +69,7 @@ def version(tools):
 def variants(scene):
     if all(mesh.kind == "diffuse" for mesh in scene.meshes):
         return ["lux-path", "lux-bidir"], []
-    if scene.light_kinds() & {"point", "directional"}:
+    if scene.lights:
         return ["lux-hybrid", "lux-bidirvm", "lux-pgi"], ["lux-path: it finds no caustics of point lights"]
     return ["lux-path", "lux-bidir", "lux-bidirvm", "lux-pgi"], []
 
@@ -82,7 +85,7 @@ def preloaded():
 def render(tools, scene, variant, budget):
     picture = tools.folder / "lux.npy"
     job = {"scene": str(scene.xml), "engine": variant.removeprefix("lux-"), "budget": budget}
-    job |= {"threads": tools.threads, "picture": str(picture)}
+    job |= {"threads": tools.threads, "picture": str(picture), "radius": RADIUS.get(scene.name, 0.15)}
     usage, found = process.run_module("luxcore", job, env=preloaded())
     settings = f"{found['samples']:.3g} samples a pixel"
     return Result(np.load(picture), usage.processor, found["preparation"], usage.wall, settings)
@@ -101,13 +104,10 @@ def description(scene):
         camera + "screenwindow": (-1.0, 1.0, -1.0 - 2.0 / SIZE, 1.0 - 2.0 / SIZE),
     }
     for number, mesh in enumerate(scene.meshes):
-        material, volume = f"scene.materials.m{number}.", f"scene.volumes.v{number}."
+        material = f"scene.materials.m{number}."
         if mesh.kind == "glass":
             properties |= {material + "type": "glass", material + "kr": (1.0,) * 3, material + "kt": mesh.colour}
             properties[material + "interiorior"] = mesh.index
-            if mesh.absorption:
-                properties |= {volume + "type": "clear", volume + "absorption": mesh.absorption}
-                properties |= {volume + "ior": mesh.index, material + "volume.interior": f"v{number}"}
         else:
             kind, colour = ("matte", "kd") if mesh.kind == "diffuse" else ("mirror", "kr")
             properties |= {material + "type": kind, material + colour: mesh.colour}
@@ -117,12 +117,9 @@ def description(scene):
         properties |= {shape + "material": f"m{number}", shape + "ply": str(mesh.path)}
     for number, light in enumerate(scene.lights):
         key = f"scene.lights.l{number}."
-        if light.kind == "point":
-            # Its colour is the flux of a channel, 4π times the intensity.
-            properties |= {key + "type": "point", key + "position": light.vector, key + "color": light.power}
-            properties[key + "gain"] = (4.0 * math.pi,) * 3
-        else:
-            properties |= {key + "type": "sharpdistant", key + "direction": light.vector, key + "color": light.power}
+        # Its colour is the flux of a channel, 4π times the intensity.
+        flux = tuple(4.0 * math.pi * part for part in light.intensity)
+        properties |= {key + "type": "point", key + "position": light.position, key + "color": flux}
     return properties
 
 
@@ -131,16 +128,13 @@ def main(job):
 
     def wrapped(values):
         properties = pyluxcore.Properties()
-        # Volumes are defined before the materials, and these before the objects that have them.
-        order = ("volumes", "materials", "objects")
-        place = lambda key: next((1 + i for i, word in enumerate(order) if f".{word}." in key), 0)  # noqa: E731
-        for key in sorted(values, key=place):
-            value = values[key]
+        for key, value in values.items():
             properties.Set(pyluxcore.Property(key, list(value) if isinstance(value, tuple) else value))
         return properties
 
     def session(engine):
         values = COMMON | ENGINES[engine] | {"native.threads.count": job["threads"]}
+        values["path.photongi.caustic.lookup.radius"] = job["radius"]
         return pyluxcore.RenderSession(pyluxcore.RenderConfig(wrapped(values), scene))
 
     pyluxcore.Init(lambda message: None)

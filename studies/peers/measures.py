@@ -105,17 +105,18 @@ def shifted(picture, reference):
 
 def compare_means(picture, reference):
     """`shifted`, `differs`, `agrees`, or `too noisy` if the picture would agree with a reference that has a channel 5 %
-    brighter."""
+    brighter or darker."""
     ratio, error, far = differs(picture, reference)
     verdict = "differs" if far else "agrees"
     if shifted(picture, reference):
         verdict = "shifted"
     elif not far:
         for channel in range(3):
-            brighter = np.ones(3)
-            brighter[channel] = BRIGHTENED
-            if not differs(picture, reference * brighter)[2]:
-                verdict = "too noisy"
+            for factor in (BRIGHTENED, 1.0 / BRIGHTENED):
+                other = np.ones(3)
+                other[channel] = factor
+                if not differs(picture, reference * other)[2]:
+                    verdict = "too noisy"
     return Means(tuple(map(float, ratio)), tuple(map(float, error)), verdict)
 
 

@@ -26,11 +26,8 @@ def version(tools):
 
 
 def variants(scene):
-    hard = scene.light_kinds() & {"point", "directional"}
-    if not hard:
+    if not scene.lights:
         return ["mitsuba-path"], []
-    if scene.absorbs():
-        return [], [f"Mitsuba: no integrator for {', '.join(hard)} lights through glass that absorbs"]
     reason = "mitsuba-path: point lights cannot be hit, so that it has no caustics and no light seen in mirrors"
     return ["mitsuba-ptracer"], [reason]
 

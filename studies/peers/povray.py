@@ -27,8 +27,6 @@ def variants(scene):
         return [], [
             "POV-Ray: the light of its area lights does not fall with the cosine, and photons do not leave surfaces"
         ]
-    if scene.light_kinds() & {"directional"} or scene.absorbs():
-        return [], ["POV-Ray: sunlight and absorption are not converted"]
     return ["povray"], []
 
 
@@ -85,9 +83,11 @@ camera {{
 """
     for light in scene.lights:
         # With fade_power 2 the light at distance d is multiplied with 2/(1 + (d/NEAR)²).
-        power = np.array(light.power) / (2.0 * math.pi * NEAR**2)
+        power = np.array(light.intensity) / (2.0 * math.pi * NEAR**2)
         fading = f"fade_distance {NEAR} fade_power 2"
-        text += f"light_source {{ {vector(light.vector)} rgb {vector(power)} {fading} photons {{ reflection on }} }}\n"
+        text += (
+            f"light_source {{ {vector(light.position)} rgb {vector(power)} {fading} photons {{ reflection on }} }}\n"
+        )
     return text + "".join(map(mesh_text, scene.meshes))
 
 

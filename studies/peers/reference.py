@@ -15,7 +15,7 @@ from .scene import SCENES, SIZE
 
 SEEDS = (1000, 1001)
 # Passes of each half, which take one to five minutes of processor time.
-PASSES = {"cornell": 768, "cornell-glass": 256, "ring-point": 384, "pool": 256}
+PASSES = {"cornell": 768, "cornell-glass": 256, "ring-point": 384}
 
 
 @dataclass(frozen=True)

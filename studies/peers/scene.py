@@ -17,7 +17,7 @@ from .process import run
 
 SIZE = 256
 # Scenes, and whether light can be focused in them by mirrors or glass.
-SCENES = {"cornell": False, "cornell-glass": True, "ring-point": True, "pool": True}
+SCENES = {"cornell": False, "cornell-glass": True, "ring-point": True}
 
 
 @dataclass(frozen=True)
@@ -28,17 +28,15 @@ class Mesh:
     kind: str
     colour: tuple
     index: float
-    absorption: tuple | None
     radiance: tuple | None
 
 
 @dataclass(frozen=True)
 class Light:
-    """`kind` is point, with a position and W/sr, or directional, with a direction and W/m²."""
+    """A point light: its position, and its intensity in W/sr."""
 
-    kind: str
-    vector: tuple
-    power: tuple
+    position: tuple
+    intensity: tuple
 
 
 @dataclass(frozen=True)
@@ -52,13 +50,6 @@ class Scene:
     fov: float
     meshes: tuple
     lights: tuple
-
-    def light_kinds(self):
-        kinds = {light.kind for light in self.lights}
-        return kinds | ({"area"} if any(mesh.radiance for mesh in self.meshes) else set())
-
-    def absorbs(self):
-        return any(mesh.absorption for mesh in self.meshes)
 
 
 def prepare(program, name, folder):
@@ -118,27 +109,21 @@ def parse_mesh(shape, folder):
     kinds = {"diffuse": "diffuse", "conductor": "mirror", "dielectric": "glass"}
     if bsdf.get("type") not in kinds or bsdf.find("rgb") is None:
         raise Unsupported(f"BSDF {bsdf.get('type')} of the exported scene", "leave this scene out")
-    kind, index, absorption = kinds[bsdf.get("type")], 1.0, None
+    if shape.find("medium") is not None:
+        raise Unsupported("glass that absorbs", "leave this scene out")
+    kind, index = kinds[bsdf.get("type")], 1.0
     if kind == "glass":
         index = float(bsdf.find("float[@name='int_ior']").get("value"))
-        medium = shape.find("medium")
-        if medium is not None:
-            scale = float(medium.find("float[@name='scale']").get("value"))
-            absorption = tuple(scale * part for part in numbers(medium.find("rgb").get("value")))
     emitter = shape.find("emitter")
     radiance = None if emitter is None else numbers(emitter.find("rgb").get("value"))
     path = (folder / shape.find("string").get("value")).resolve()
-    return Mesh(path, kind, numbers(bsdf.find("rgb").get("value")), index, absorption, radiance)
+    return Mesh(path, kind, numbers(bsdf.find("rgb").get("value")), index, radiance)
 
 
 def parse_light(emitter):
-    if emitter.get("type") == "point":
-        place, power = emitter.find("point"), emitter.find("rgb[@name='intensity']")
-    elif emitter.get("type") == "directional":
-        place, power = emitter.find("vector"), emitter.find("rgb[@name='irradiance']")
-    else:
+    if emitter.get("type") != "point":
         raise Unsupported(f"light {emitter.get('type')} of the exported scene", "leave this scene out")
-    return Light(emitter.get("type"), numbers(place.get("value")), numbers(power.get("value")))
+    return Light(numbers(emitter.find("point").get("value")), numbers(emitter.find("rgb").get("value")))
 
 
 def read_ply(path):

@@ -77,8 +77,16 @@ def number(entry, measure):
     return "–" if error is None else f"{error:.2e}" + ("†" if entry.near_noise(measure) else "")
 
 
+def longest(entries):
+    """The run of each method with the largest budget."""
+    found = {}
+    for entry in entries:
+        found[entry.row.scene, entry.row.variant] = entry
+    return list(found.values())
+
+
 def to_markdown(entries):
-    """Every run: processor seconds after preparation, errors, and the means."""
+    """Processor seconds after preparation, errors, and the means."""
     lines = ["| scene | method | s | relMSE | caustic | median | mean | means |", "|---|---|--:|--:|--:|--:|--:|---|"]
     for entry in entries:
         mean = sum(entry.means.ratio) / 3.0

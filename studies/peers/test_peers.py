@@ -188,7 +188,7 @@ def test_converters_refuse_what_they_do_not_know(tmp_path):
     path.write_text(f'<scene>{view}<shape><bsdf type="principled"/></shape></scene>')
     with pytest.raises(errors.Unsupported, match="BSDF principled"):
         scene.parse(path, "x", "x")
-    glass = scene.Mesh(tmp_path / "a.ply", "glass", (1.0,) * 3, 1.5, None, None)
+    glass = scene.Mesh(tmp_path / "a.ply", "glass", (1.0,) * 3, 1.5, None)
     header = (
         "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
     )

@@ -23,7 +23,7 @@ def arguments():
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=["cornell", "cornell-glass", "ring-point"])
     parser.add_argument("--renderers", nargs="+", choices=RENDERERS, default=list(RENDERERS))
     budgets = "seconds of processor time after preparation, over all threads"
-    parser.add_argument("--budgets", nargs="+", type=float, default=[4.0, 10.0, 24.0], help=budgets)
+    parser.add_argument("--budgets", nargs="+", type=float, default=[3.0, 8.0, 20.0], help=budgets)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--beside", default="ours-balanced", help="the method that equal-error times refer to")
     parser.add_argument("--report-only", action="store_true", help="tables and plot of the runs that are there")

@@ -92,7 +92,7 @@ camera {{
 
 
 def render(tools, scene, variant, budget):
-    """The budget chooses a quality: 4, 10 and 24 s are about what three of them take in `ring-point`."""
+    """The budget chooses a quality: 3, 8 and 20 s are about what three of them take in `ring-point`."""
     quality = sum(budget > limit for limit in (6.0, 15.0, 60.0))
     photons, directions, rays = QUALITIES[quality]
     source, picture = tools.folder / "povray.pov", tools.folder / "povray.exr"

@@ -200,7 +200,8 @@ pub(super) fn clear_sums(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
 /// Reads the sums back into `picture`.
 pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Result<()> {
     let Some(errors) = &film.errors else { return Ok(()) };
-    let mut all = vec![ErrorPixel::default(); picture.pixels.len()];
+    // Not written until it is filled, by all cores.
+    let mut all = bytemuck::zeroed_vec::<ErrorPixel>(picture.pixels.len());
     let photon_moments =
         errors.photon_moments.values().flatten().flat_map(|(_, sum)| (0..2 * MOMENTS).map(move |i| (sum, i)));
     let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(photon_moments).collect();

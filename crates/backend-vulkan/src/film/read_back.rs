@@ -1,13 +1,10 @@
 //! Planes of the film on their way back to the host: copied to memory that the host sees, a range of pixels of all planes at
 //! a time, and made into records there by all cores.
 
-use photon_core::{Error, Result};
+use photon_core::{Error, Result, parallel};
 
 use crate::device::{Memory, READ_BACK};
 use crate::vulkan::Vulkan;
-
-/// With fewer pixels, a thread takes longer to start than to work.
-const LEAST: usize = 1 << 12;
 
 /// The words of one pixel in several planes.
 pub(super) struct PixelWords<'a> {
@@ -40,7 +37,6 @@ pub(super) fn planes<T: Send>(
 ) -> Result<()> {
     let all = pixels.len();
     let block = (READ_BACK as usize / (4 * planes.len().max(1))).min(all).max(1);
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let mut start = 0;
     for pixels in pixels.chunks_mut(block) {
         let length = pixels.len();
@@ -52,17 +48,9 @@ pub(super) fn planes<T: Send>(
                 fits = false;
                 return;
             };
-            let share = length.div_ceil(threads).max(LEAST);
-            std::thread::scope(|scope| {
-                for (part, pixels) in pixels.chunks_mut(share).enumerate() {
-                    let unpack = &unpack;
-                    let mut work = move || {
-                        for (i, pixel) in pixels.iter_mut().enumerate() {
-                            unpack(&PixelWords { words, length, pixel: part * share + i }, pixel);
-                        }
-                    };
-                    // The last part is this thread's.
-                    if (part + 1) * share >= length { work() } else { drop(scope.spawn(work)) }
+            parallel::for_each_part(pixels, |first, pixels| {
+                for (i, pixel) in pixels.iter_mut().enumerate() {
+                    unpack(&PixelWords { words, length, pixel: first + i }, pixel);
                 }
             });
         })?;

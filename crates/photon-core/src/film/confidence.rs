@@ -6,8 +6,10 @@
 //! pixel.
 
 use bitflags::bitflags;
+use bytemuck::Zeroable;
 
 use crate::film::Film;
+use crate::parallel;
 use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::scene::layout::{ErrorMoments, Estimate, Query};
 
@@ -15,7 +17,7 @@ use crate::scene::layout::{ErrorMoments, Estimate, Query};
 mod tests;
 
 /// Error statistics of a pixel, summed over passes. Normalised units, mean of RGB.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
 #[non_exhaustive]
 pub struct ErrorPixel {
     /// Radiance estimated with twice the area, minus that of the picture: estimates the bias of a pass.
@@ -32,7 +34,7 @@ pub struct ErrorPixel {
 
 /// Distribution of the photons of one map around a pixel's queries: sums of [`ErrorMoments`] with the
 /// weights of the queries.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
 // Exhaustive: a backend must fill in every sum.
 pub struct PhotonMoments {
     /// Σ power.
@@ -229,6 +231,12 @@ impl Film {
     /// places. Shadow rays have no bias.
     #[must_use]
     pub fn confidence_intervals(&self) -> Option<Vec<ConfidenceInterval>> {
+        let interval = self.interval()?;
+        Some(parallel::collect(self.pixels.len(), interval))
+    }
+
+    /// The function that gives the confidence interval of a pixel.
+    pub(crate) fn interval(&self) -> Option<impl Fn(usize) -> ConfidenceInterval + Sync + '_> {
         let errors = self.errors.as_ref()?;
         let n = f64::from(self.passes.max(1));
         let quantile = student_975(n - 1.0);
@@ -236,14 +244,15 @@ impl Film {
         // A surface without photons cannot be told from a dark one: if any pixel has photons, those whose
         // first surface can store photons have to have some too.
         let any = errors.iter().any(ErrorPixel::is_known);
-        let is_asked = |error: &ErrorPixel, pixel: &crate::FilmPixel| {
+        let is_asked = move |error: &ErrorPixel, pixel: &crate::FilmPixel| {
             error.is_known() || (any && pixel.hits > 0 && pixel.albedo.iter().any(|&a| a > 0.0))
         };
         // Standard error of a mean of n numbers, from their sum and the sum of their squares.
-        let standard_error = |sum: f64, square: f64| {
+        let standard_error = move |sum: f64, square: f64| {
             if self.passes < 2 { f64::INFINITY } else { ((square - sum * sum / n).max(0.0) / (n * (n - 1.0))).sqrt() }
         };
-        let interval = |(pixel, error): (&crate::FilmPixel, &ErrorPixel)| {
+        Some(move |index: usize| {
+            let (pixel, error) = (&self.pixels[index], &errors[index]);
             let sum = pixel.layers.iter().flatten().sum::<f64>() / 3.0;
             let (bias, bias_error) = (error.bias / n, standard_error(error.bias, error.bias_square));
             let (half, half_error) = (error.narrow / n, standard_error(error.narrow, error.narrow_square));
@@ -290,8 +299,7 @@ impl Film {
                 half_width,
                 flags,
             }
-        };
-        Some(self.pixels.iter().zip(errors).map(interval).collect())
+        })
     }
 }
 

@@ -8,6 +8,8 @@ use crate::error::{Error, Result};
 use crate::film::confidence::ErrorPixel;
 use crate::film::pass_set::PassSet;
 use crate::scene::units::Units;
+use bytemuck::Zeroable;
+use bytemuck::allocation::try_zeroed_vec;
 
 /// Version of the numerics, which stored films record: raised with each change that alters the bits of passes (*Numerics*
 /// in the changelog), so that films of two versions are not merged.
@@ -44,7 +46,7 @@ impl Layer {
 }
 
 /// Sums over passes for one pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
 // Exhaustive: a backend must fill in every sum.
 pub struct FilmPixel {
     /// Radiance by [`Layer`], normalised units.
@@ -111,12 +113,11 @@ impl Film {
     pub fn new(width: u32, height: u32, units: Units) -> Result<Self> {
         check_size(width, height)?;
         let count = width as usize * height as usize;
-        let mut pixels = Vec::new();
-        if pixels.try_reserve_exact(count).is_err() {
+        // Not written until it is used, which may be by many threads.
+        let pixels = try_zeroed_vec(count).map_err(|()| {
             let bytes = (count as u64).saturating_mul(size_of::<FilmPixel>() as u64);
-            return Err(Error::OutOfMemory { label: "film", bytes });
-        }
-        pixels.resize(count, FilmPixel::default());
+            Error::OutOfMemory { label: "film", bytes }
+        })?;
         Ok(Self {
             width,
             height,

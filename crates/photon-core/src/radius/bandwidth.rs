@@ -11,6 +11,7 @@
 
 use crate::film::Film;
 use crate::film::confidence::{ErrorPixel, Flags};
+use crate::parallel;
 use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_sum};
 
 /// Factors are first computed after this many passes, then whenever the number of passes has doubled.
@@ -56,33 +57,32 @@ impl Radii {
 
     /// Updates the factors from the passes since the last update.
     pub(crate) fn learn(&mut self, film: &Film) {
-        let (Some(errors), Some(intervals)) = (&film.errors, film.confidence_intervals()) else { return };
+        let (Some(errors), Some(interval)) = (&film.errors, film.interval()) else { return };
         let passes = film.passes - self.then;
-        let sums: Vec<[f64; 2]> =
-            errors.iter().zip(&self.before).map(|(now, before)| tell(now, *before, passes)).collect();
+        let sums = parallel::collect(errors.len(), |pixel| tell(&errors[pixel], self.before[pixel], passes));
         let (bias, noise) = self.outlook(film.passes);
         let (width, height) = (film.width as usize, film.height as usize);
-        let steps: Vec<f64> = (0..sums.len())
-            .map(|pixel| {
-                let around = |[sum, square]: [f64; 2], other: usize| [sum + sums[other][0], square + sums[other][1]];
-                let [bias_squared, difference] = neighbours(pixel, width, height, REACH).fold([0.0; 2], around);
-                let noise_squared = difference / (self.share * self.share) * noise;
-                // The square of the mean difference contains its own variance.
-                let bias_squared = (bias_squared - difference).max(0.0) * bias * bias;
-                let step = step(noise_squared, bias_squared);
-                let edge = [Flags::OTHER_SURFACE, Flags::UNEVEN, Flags::CURVED];
-                let broken = edge.iter().any(|&flag| intervals[pixel].flags.contains(flag));
-                // Across an edge a second radius is a poor measure of the bias: do not increase the radius
-                // there.
-                if broken { step.min(1.0) } else { step }
-            })
-            .collect();
-        for (pixel, factor) in self.factors.iter_mut().enumerate() {
-            // Geometric mean over neighbours, so that the factors do not become visible in the picture.
-            let around = neighbours(pixel, width, height, 1)
-                .fold((0.0, 0.0), |(sum, count), i| (sum + libm::log(steps[i]), count + 1.0));
-            *factor = (*factor * libm::exp(around.0 / around.1)).clamp(BOUNDS[0], BOUNDS[1]);
-        }
+        let steps = parallel::collect(sums.len(), |pixel| {
+            let around = |[sum, square]: [f64; 2], other: usize| [sum + sums[other][0], square + sums[other][1]];
+            let [bias_squared, difference] = neighbours(pixel, width, height, REACH).fold([0.0; 2], around);
+            let noise_squared = difference / (self.share * self.share) * noise;
+            // The square of the mean difference contains its own variance.
+            let bias_squared = (bias_squared - difference).max(0.0) * bias * bias;
+            let step = step(noise_squared, bias_squared);
+            let edge = [Flags::OTHER_SURFACE, Flags::UNEVEN, Flags::CURVED];
+            // Across an edge a second radius is a poor measure of the bias: do not increase the radius there.
+            let flags = interval(pixel).flags;
+            let broken = edge.iter().any(|&flag| flags.contains(flag));
+            libm::log(if broken { step.min(1.0) } else { step })
+        });
+        parallel::for_each_part(&mut self.factors, |first, factors| {
+            for (i, factor) in factors.iter_mut().enumerate() {
+                // Geometric mean over neighbours, so that the factors do not become visible in the picture.
+                let around = neighbours(first + i, width, height, 1)
+                    .fold((0.0, 0.0), |(sum, count), i| (sum + steps[i], count + 1.0));
+                *factor = (*factor * libm::exp(around.0 / around.1)).clamp(BOUNDS[0], BOUNDS[1]);
+            }
+        });
         self.then = film.passes;
         self.before = errors.iter().map(|error| [error.bias, error.bias_square]).collect();
     }

@@ -1,5 +1,6 @@
 //! The kinds of photon maps, and containers with one element per kind.
 
+use bytemuck::Zeroable;
 use std::ops::{Index, IndexMut};
 
 use crate::film::Layer;
@@ -83,7 +84,7 @@ impl MapKind {
 const _: () = assert!(MapKind::COUNT <= 1 << MapKind::BITS, "a kind does not fit into its bits");
 
 /// One element per [`MapKind`], in the order of [`MapKind::ALL`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Zeroable)]
 pub struct PerMap<T>([T; MapKind::COUNT]);
 
 impl<T> PerMap<T> {

@@ -1,0 +1,1 @@
+"""Error over processor time of photonmap beside renderers that install from package registries."""

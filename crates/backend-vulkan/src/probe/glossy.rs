@@ -66,7 +66,7 @@ pub(super) fn rows() -> Vec<Row> {
         row("glossy_evaluate, clearcoat's normal", 14, Bound::Relative(2e-4), world, |i| {
             value(i, &coated(i, i.float(8)), i.vector(0), i.vector(4))
         }),
-        row("glossy_sample, clearcoat's normal", 15, Bound::Within(1e-3), world, |i| {
+        row("glossy_sample, clearcoat's normal", 15, Bound::Conditioned(1e-3, HORIZON, at_horizon), world, |i| {
             drawn_from(i, &coated(i, i.float(8)), i.float(8))
         }),
         // Sines and cosines of half vectors: off by 5e-7, with exponents up to 102 of a logarithm that is off by 5e-7.
@@ -210,6 +210,16 @@ fn transmitted(i: &Input, share: f32) -> Output {
 fn coated(i: &Input, choice: f32) -> Glossy {
     let layers = layers(i).with_coat_normal(Vec3::new(0.36, 0.8, -0.48));
     Glossy::at(&material(i), &layers, i.vector(0).dot(NORMAL), i.vector(0), choice < 0.5)
+}
+
+const HORIZON: &str = "1 + 0.03 of the weight over the cosine";
+
+/// The reflection of a clearcoat with another normal is weighted by the cosine to the shading normal, also where that is
+/// close to 0: the weight is then off by its slope, weight over cosine, times what the direction is off by, 3e-5.
+fn at_horizon(i: &Input) -> f64 {
+    let (wi, found) = coated(i, i.float(8)).sample(i.vector(0), NORMAL, i.float(8), i.float(9));
+    let slope = found.weight(1.0).max_element() / wi.dot(NORMAL).max(1e-5);
+    1.0 + 0.03 * f64::from(slope)
 }
 
 fn evaluated(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {

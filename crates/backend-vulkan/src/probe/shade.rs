@@ -42,7 +42,10 @@ pub(super) fn rows() -> Vec<Row> {
         }),
         row("shade, sheen", 10, Bound::Bits, hit, |i| sheen(&shaded(i, [i.float(0), i.float(1)]))),
         // The normal as below, times the slope of the albedo over the cosine, which is below 10 from a cosine of 1e-3 on.
-        row("emission_through", 11, Bound::Within(2e-4), emitted, |i| through(i, i.vector(6))),
+        // Of textures with values above 1, which scenes may not have, it is large.
+        row("emission_through", 11, Bound::Conditioned(2e-4, "1 + the value", magnitude), emitted, |i| {
+            through(i, i.vector(6))
+        }),
         // Vertex normals and tangents are off by 1e-6, a perpendicular of the tangent by four times that, and its
         // length is at least 0.5.
         row("shade, normal", 5, Bound::Within(2e-5), hit, |i| four_of(shaded(i, [i.float(0), i.float(1)]).normal)),
@@ -190,6 +193,10 @@ fn through(i: &Input, direction: Vec3) -> Output {
     let material = &SHADED.materials[primitive.material as usize];
     let (front, at) = (Vec3::from(primitive.normal), (i.float(0), i.float(1)));
     output([tables().emission_through(i.0[5] as usize, at, material, front, direction); 4])
+}
+
+fn magnitude(i: &Input) -> f64 {
+    1.0 + f64::from(f32::from_bits(through(i, i.vector(6))[0]).abs())
 }
 
 fn colors(shaded: &Shaded) -> Output {

@@ -36,7 +36,7 @@ impl FinalGather<Cpu> for CpuGather {
             gather.validate_for(map.photon_format())?;
         }
         let max_bounces = self.max_bounces;
-        let follow = match (scene.present.intersects(Features::SHADED), scene.present.contains(Features::ALPHA)) {
+        let follow = match (scene.present.intersects(Features::SHADED), scene.present.intersects(Features::RANDOM_SURFACES)) {
             (_, true) => follow::<true, true>,
             (true, false) => follow::<true, false>,
             (false, false) => follow::<false, false>,

@@ -152,8 +152,8 @@ impl Walk<'_> {
 
 /// Traces one path to its end. `F` selects the lobes that are compiled in; with [`BATCHED`], it is traced up to its next
 /// ray, from where it was paused.
-fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput, paused: &mut Paused) {
-    let features = Features::from_bits_truncate(F);
+fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput, paused: &mut Paused) {
+    let features = Features::from_bits_truncate(F as u32);
     let scene = walk.scene;
     let shaded = features.intersects(Features::SHADED);
     let reflections = F & REFLECTED != 0;
@@ -194,7 +194,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 return;
             };
             Ok(hit.map(|hit| (scene.interaction(&ray, &hit), hit)))
-        } else if features.contains(Features::ALPHA) {
+        } else if features.intersects(Features::RANDOM_SURFACES) {
             // A copy, since a sequence must not advance twice.
             let mut layer = sampler;
             scene.hit_with::<true>(&ray, || layer.words(block)[3])
@@ -241,9 +241,9 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 let kind = MapKind::of_path(specular_only, bounce);
                 if walk.wanted[kind] {
                     tally.stored[kind] += 1;
-                    // Where a surface is there for a share of the photons, each stands for those that passed.
-                    let arriving =
-                        if features.contains(Features::ALPHA) { power / scene.coverage(&hit) } else { power };
+                    // Where a surface is met by a share of the photons, each stands for the others too.
+                    let is_random = features.intersects(Features::RANDOM_SURFACES);
+                    let arriving = if is_random { power / scene.met_share(&hit) } else { power };
                     output.photons[kind].push(Photon {
                         position: surface.point.into(),
                         normal: octahedral::pack(surface.normal),

@@ -27,7 +27,7 @@ pub(super) fn of(scene: &SceneView<'_>, among: &dyn Fn(&Material) -> bool, most:
     let specular = || {
         let primitives = scene.primitives.iter().zip(scene.triangles);
         primitives
-            .filter(|(primitive, _)| among(&scene.materials[primitive.material as usize]))
+            .filter(|(primitive, _)| scene.materials_of(primitive).any(among))
             .map(|(_, triangle)| triangle)
     };
     let count = specular().count();

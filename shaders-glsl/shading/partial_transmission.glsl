@@ -24,7 +24,7 @@ bool partial_is_glass(float share, uint word) {
 
 // The share of metal in the opaque material, where `metallic` is that of the whole surface.
 float partial_opaque_metallic(float metallic, float share) {
-    if (!(share < 1.0)) return metallic;
+    if (!(share > 0.0 && share < 1.0)) return metallic;
     precise float rest = 1.0 - share;
     precise float metal = metallic / rest;
     return min(metal, 1.0);

@@ -67,18 +67,18 @@ pub fn sunlit_surfaces<T: TestBackend>() {
     let shares = [0.75, 0.25, 0.8, 0.0, 0.25, 0.375, 1.0, 0.0];
     let open = make(false);
     assert!(Features::of(&open.view()).contains(Features::PARTIAL_TRANSMISSION));
-    for (scene, direct, factor) in [
-        (&open, Direct::Nee, 1.0),
-        (&open, Direct::Photons, 1.0),
-        (&make(true), Direct::Nee, through_a_pane(i)),
-    ] {
-        let found = columns::<T>(scene, &direct_settings(direct, 0.08), 64);
+    for (scene, direct, factor) in
+        [(&open, Direct::Nee, 1.0), (&open, Direct::Photons, 1.0), (&make(true), Direct::Nee, through_a_pane(i))]
+    {
+        let settings = Settings { area: Area::Surface, ..direct_settings(direct, 0.08) };
+        let found = columns::<T>(scene, &settings, 64);
         for (column, (values, share)) in found.iter().zip(shares).enumerate() {
             let (mean, truth, error) = (moments(values).0, 0.8 * share * i * factor, standard_error(values));
-            // The metal's reflection of this width adds less; estimates at the edges of the stripe that is all glass.
+            // The metal's reflection of this width adds less than the first; by photons, what remains of the edges of the
+            // stripe that is all glass.
             let bound = if direct == Direct::Nee && factor == 1.0 { 1e-4 } else { 1e-2 * truth };
             assert_agrees(&format!("{direct:?}, {factor}, column {column}"), mean, truth, error, bound);
-            let other = truth * 0.7;
+            let other = truth * 0.5;
             assert!(truth == 0.0 || !agrees(mean, other, error, bound), "{column}: the error {error} is too large");
         }
     }
@@ -117,15 +117,15 @@ pub fn seen_through<T: TestBackend>() {
 pub fn light_on_a_floor<T: TestBackend>() {
     for share in [0.25, 0.5] {
         let mut builder = SceneBuilder::new();
-        // Indirect light is left out.
-        sheet(&mut builder, 0.1, mixed(1.0, share));
+        // Further away than the radius; indirect light is left out.
+        sheet(&mut builder, 0.3, mixed(1.0, share));
         sheet(&mut builder, 0.0, MaterialDesc::lambert("floor", [1.0; 3]));
         sun(&mut builder);
         look_down(&mut builder, 0.05, 0.5);
         let scene = builder.build().unwrap();
         let truth = share * through_a_pane(1.0);
         for direct in [Direct::Nee, Direct::Photons] {
-            let settings = Settings { photons: 12_800, ..direct_settings(direct, 0.05) };
+            let settings = Settings { photons: 51_200, ..direct_settings(direct, 0.2) };
             let values = per_pass::<T>(&scene, &settings, 16, 4);
             let (mean, error) = (moments(&values).0, standard_error(&values));
             assert_agrees(&format!("{direct:?}, {share}"), mean, truth, error, 1e-6);
@@ -161,7 +161,8 @@ pub fn white_furnace<T: TestBackend>() {
         builder.build().unwrap()
     };
     for (panes, direct) in [(false, Direct::Nee), (false, Direct::Photons), (true, Direct::Nee)] {
-        let found = columns::<T>(&make(panes), &direct_settings(direct, 0.1), 32);
+        let settings = Settings { shadow_rays: 16, area: Area::Surface, ..direct_settings(direct, 0.1) };
+        let found = columns::<T>(&make(panes), &settings, 32);
         for (column, values) in found.iter().enumerate() {
             let least = if [4, 5, 7].contains(&column) { 1e-2 } else { 3e-3 };
             let what = format!("column {column}, panes: {panes}, {direct:?}");
@@ -214,10 +215,8 @@ pub fn two_texels_are_two_materials<T: TestBackend>() {
         let image = textured(&mut builder, 0.8, 1.0, texels).textures;
         let both = builder.material(plastic.clone().with_transmission(1.0, None).with_textures(image));
         let opaque = builder.material(plastic);
-        let glass = builder.material(MaterialDesc::new(
-            "glass",
-            Surface::Thin { ior: 1.5, tint: [0.8; 3], roughness: 0.3 },
-        ));
+        let glass =
+            builder.material(MaterialDesc::new("glass", Surface::Thin { ior: 1.5, tint: [0.8; 3], roughness: 0.3 }));
         for (x, u, pure) in [(-1.0, 0.25, opaque), (0.0, 0.75, glass)] {
             let attributes = VertexAttributes::default().with_uvs(vec![vec![[u, 0.5]; 4]]);
             let positions = vec![[x, 0.0, 1.0], [x + 1.0, 0.0, 1.0], [x + 1.0, 0.0, -1.0], [x, 0.0, -1.0]];

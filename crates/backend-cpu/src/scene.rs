@@ -153,8 +153,11 @@ impl CpuScene {
             let id = hit.primitive;
             !self.has_alpha(id) || alpha::keep(self.coverage(hit), id, word)
         };
-        let found =
-            if self.with_alpha.is_empty() { self.caster.nearest(ray) } else { self.caster.nearest_where(ray, &keep)? };
+        let found = if self.with_alpha.is_empty() {
+            self.caster.nearest(ray)
+        } else {
+            self.caster.nearest_where(ray, &keep)?
+        };
         let Some(hit) = found else { return Ok(None) };
         let mut surface = self.interaction(ray, &hit);
         if let Some(shading) = &self.shading {

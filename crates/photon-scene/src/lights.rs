@@ -189,7 +189,8 @@ pub(crate) fn materials(
         .zip(shines.into_iter().zip(in_use))
         .map(|(desc, (shines, in_use))| {
             let glass = desc.transmitting_surface().filter(|_| in_use);
-            let glass = glass.map(|glass| surface(&MaterialDesc { surface: glass, ..desc.clone() }, true, &mut media, frame));
+            let glass =
+                glass.map(|glass| surface(&MaterialDesc { surface: glass, ..desc.clone() }, true, &mut media, frame));
             let surface = match glass {
                 None => surface(desc, in_use, &mut media, frame),
                 // It has not been simplified, since its glass needs all of it.

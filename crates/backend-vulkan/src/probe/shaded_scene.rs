@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 use photon_core::glam::Vec3;
 use photon_core::{
     Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, Light, Material, MaterialKind, MaterialTextures,
-    OwnedShadingTables, PartialTransmission, Primitive, SceneView, ShadingTables, SheenLayer, TexelFormat, Texture, TextureUse, Wrap,
-    octahedral, sampling,
+    OwnedShadingTables, PartialTransmission, Primitive, SceneView, ShadingTables, SheenLayer, TexelFormat, Texture,
+    TextureUse, Wrap, octahedral, sampling,
 };
 use photon_scene::CompressedTree;
 
@@ -217,10 +217,9 @@ fn the_scene_has_what_is_read() {
     let view = SHADED.view();
     view.validate().unwrap();
     let read = Features::SHADED.without(Features::ROUGH_GLASS);
-    assert!(
-        Features::of(&view)
-            .contains(read.union(Features::TEXTURED_LIGHTS).union(Features::COATED_LIGHTS).union(Features::RANDOM_SURFACES))
-    );
+    assert!(Features::of(&view).contains(
+        read.union(Features::TEXTURED_LIGHTS).union(Features::COATED_LIGHTS).union(Features::RANDOM_SURFACES)
+    ));
     let mut slots = SHADED.slots.clone();
     slots.sort_unstable();
     assert!(slots.iter().copied().eq(0..TRIANGLES) && slots != SHADED.slots, "{slots:?}");

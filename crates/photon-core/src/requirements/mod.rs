@@ -215,8 +215,7 @@ pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features
     let rough = if material.is_rough_glass() { Features::ROUGH_GLASS } else { Features::NONE };
     let shading = shading_features(material, &scene.shading);
     let alpha = if material.has_alpha() { alpha_features(material) } else { Features::NONE };
-    let partial =
-        if material.has_partial_transmission() { Features::PARTIAL_TRANSMISSION } else { Features::NONE };
+    let partial = if material.has_partial_transmission() { Features::PARTIAL_TRANSMISSION } else { Features::NONE };
     lobes.union(rough).union(shading).union(alpha).union(partial)
 }
 

@@ -33,7 +33,7 @@ pub fn is_glass(share: f32, word: u32) -> bool {
 #[inline]
 #[must_use]
 pub fn opaque_metallic(metallic: f32, share: f32) -> f32 {
-    if share < 1.0 { (metallic / (1.0 - share)).min(1.0) } else { metallic }
+    if share > 0.0 && share < 1.0 { (metallic / (1.0 - share)).min(1.0) } else { metallic }
 }
 
 impl Shading<'_> {

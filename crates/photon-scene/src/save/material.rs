@@ -87,8 +87,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": single(strength, what)? });
     }
     // Other programs cull the back of surfaces that are not double-sided; here every surface has two sides.
-    let both =
-        if desc.is_emissive() { desc.emits_both_sides } else { !desc.is_solid() };
+    let both = if desc.is_emissive() { desc.emits_both_sides } else { !desc.is_solid() };
     let mut material = json!({
         "name": desc.name,
         "pbrMetallicRoughness": {

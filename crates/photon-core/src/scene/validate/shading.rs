@@ -5,8 +5,8 @@ use crate::error::{Error, Result};
 use crate::scene::SceneView;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::texture::{
-    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, PartialTransmission, ShadingTables, SheenLayer, Texture,
-    TextureUse,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, PartialTransmission, ShadingTables, SheenLayer,
+    Texture, TextureUse,
 };
 
 /// Largest number of texels in a row, and of rows: their indices stay exact in `f32`.
@@ -135,7 +135,8 @@ fn check_glass(material: &Material, view: &SceneView<'_>) -> Check {
         format!("its glass, material {}, must be thin or dielectric", entry.glass)
     })?;
     require(!(material.has_alpha() && glass.kind() == MaterialKind::Dielectric), || {
-        "it has Material::ALPHA, but its glass is a solid, whose boundary must be closed; use MaterialKind::Thin".to_owned()
+        "it has Material::ALPHA, but its glass is a solid, whose boundary must be closed; use MaterialKind::Thin"
+            .to_owned()
     })?;
     let sides = |of: &Material| of.flags & Material::EMITS_BOTH_SIDES;
     require(glass.emission == material.emission && sides(glass) == sides(material), || {

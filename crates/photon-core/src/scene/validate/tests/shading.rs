@@ -4,8 +4,8 @@ use super::Tables;
 use crate::scene::SceneView;
 use crate::scene::material::Material;
 use crate::scene::texture::{
-    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, PartialTransmission, ShadingTables, SheenLayer, TexelFormat,
-    Texture, TextureUse, Wrap,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, PartialTransmission, ShadingTables,
+    SheenLayer, TexelFormat, Texture, TextureUse, Wrap,
 };
 
 /// Vertex attributes of two triangles, and a texture that the first material uses.
@@ -128,10 +128,7 @@ fn invalid_attributes_and_textures_are_named() {
         (|s| s.sheens[0].roughness = f32::NAN, "sheens entry 0: its roughness NaN"),
         (|s| s.sheens[0].color[1] = 1.5, "sheens entry 0: its color [0.0, 1.5, 0.0]"),
         (|s| s.sheens[0].roughness_texture = 1, "sheens entry 0: its texture 1"),
-        (
-            |s| s.partial_transmissions.push(PartialTransmission::NONE),
-            "scene view: shading.partial_transmissions is 2",
-        ),
+        (|s| s.partial_transmissions.push(PartialTransmission::NONE), "scene view: shading.partial_transmissions is 2"),
         (|s| s.partial_transmissions[0].factor = 1.5, "partial_transmissions entry 0: its factor 1.5"),
         (|s| s.partial_transmissions[0].factor_texture = 1, "partial_transmissions entry 0: its texture 1"),
         (|s| s.partial_transmissions[0].glass = 5, "partial_transmissions entry 0: material 5 is out of range"),

@@ -40,6 +40,7 @@ void main() {
         case 13u: COPY(TransmissionTable); break;
         case 14u: COPY(SheenLayerTable); break;
         case 15u: COPY(ClearcoatNormalTable); break;
+        case 16u: COPY(PartialTransmissionTable); break;
         default: COPY(LightNodes); break;
     }
 }

@@ -44,7 +44,8 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     Layers layers = layers_none();
     vec3 normal = shade(scene, at, hit, material, layers);
     if (FUNCTION == 4u) {
-        return floats(vec4(material.albedo, material.roughness), vec4(material.emission, material.metallic));
+        float metallic = partial_has_glass(material) ? 0.0 : material.metallic;
+        return floats(vec4(material.albedo, material.roughness), vec4(material.emission, metallic));
     }
     if (FUNCTION == 6u) {
         return floats(vec4(material.specular, layers.specular_color),
@@ -54,6 +55,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 8u) {
         return floats(vec4(layers.transmission_color, layers.diffuse_transmission), vec4(0.0));
     }
+    if (FUNCTION == 12u) return floats(vec4(material.metallic, 0.0, 0.0, 0.0), vec4(0.0));
     if (FUNCTION == 10u) return floats(vec4(layers.sheen_color, layers.sheen_roughness), vec4(0.0));
     if (FUNCTION == 9u) return floats(vec4(layers.coat_normal, 0.0), vec4(0.0));
     return floats(vec4(normal, 0.0), vec4(0.0));

@@ -13,6 +13,7 @@ const uint MATERIAL_GLOSSY = 4u;
 const uint MATERIAL_EMITS_BOTH_SIDES = 1u;
 const uint MATERIAL_ALPHA = 2u;
 const uint MATERIAL_DIFFUSE_TRANSMISSION = 4u;
+const uint MATERIAL_PARTIAL_TRANSMISSION = 8u;
 
 // Light::kind.
 const uint LIGHT_TRIANGLE = 0u;
@@ -63,8 +64,9 @@ const uint FEATURE_DIFFUSE_TRANSMISSION = 16777216u;
 const uint FEATURE_CLEARCOAT_NORMALS = 33554432u;
 const uint FEATURE_COATED_LIGHTS = 67108864u;
 const uint FEATURE_SHEEN = 134217728u;
+const uint FEATURE_PARTIAL_TRANSMISSION = 268435456u;
 const uint FEATURE_SPECULAR = 32782u;
-const uint FEATURE_ALL = 268435455u;
+const uint FEATURE_ALL = 536870911u;
 
 // TexelFormat, Wrap, Filter.
 const uint TEXEL_LINEAR8 = 0u;

@@ -149,6 +149,13 @@ struct SheenLayer {
     uint reserved[2];
 };
 
+struct PartialTransmission {
+    float factor;
+    uint factor_texture;
+    uint glass;
+    uint reserved;
+};
+
 struct ClearcoatNormal {
     uint is_own;
     uint texture;
@@ -183,6 +190,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer AnisotropyT
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ClearcoatNormalTable { ClearcoatNormal at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TransmissionTable { DiffuseTransmission at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SheenLayerTable { SheenLayer at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer PartialTransmissionTable { PartialTransmission at; };
 
 // Entries of photon-core's SheenTable.
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SheenAlbedos { float at; };

@@ -91,6 +91,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ShadingRef 
     TransmissionTable diffuse_transmissions;
     ClearcoatNormalTable clearcoat_normals;
     SheenLayerTable sheens;
+    PartialTransmissionTable partial_transmissions;
 };
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at; };
@@ -136,6 +137,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
 };
 
 #include "shading/alpha.glsl"
+#include "shading/partial_transmission.glsl"
 #include "shading/intersect.glsl"
 
 // A surface point hit by a ray.
@@ -153,7 +155,7 @@ struct Surface {
     uint material;
 };
 
-// All data that shading needs of a hit of a ray in this direction.
+// All data that shading needs of a hit of a ray in this direction, but that the material is that of the primitive.
 Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     Primitive primitive = scene.primitives[hit.slot].at;
     // Whole vectors are read: llvmpipe of Mesa 22.3 returns the third component of a vector for the fourth if
@@ -175,11 +177,20 @@ Surface surface_of(SceneRef scene, vec3 direction, Hit hit) {
     return found;
 }
 
+// The same, with the material that the ray meets; `word` is its random word.
+Surface surface_met(SceneRef scene, vec3 direction, Hit hit, uint word) {
+    Surface found = surface_of(scene, direction, hit);
+    if (PARTIAL_TRANSMISSION) {
+        found.material = partial_material(scene, found.material, hit.slot, hit.u, hit.v, word);
+    }
+    return found;
+}
+
 // The nearest surface along a ray; `word` as for `nearest`.
 bool surface(SceneRef scene, Ray ray, uint word, out Surface found) {
     Hit hit;
     if (!nearest(scene, ray, word, hit)) return false;
-    found = surface_of(scene, ray.direction, hit);
+    found = surface_met(scene, ray.direction, hit, word);
     return true;
 }
 

@@ -26,7 +26,8 @@ const bool CLEARCOAT_NORMALS = (FEATURES & FEATURE_CLEARCOAT_NORMALS) != 0u;
 const bool DIFFUSE_TRANSMISSION = (FEATURES & FEATURE_DIFFUSE_TRANSMISSION) != 0u;
 const bool SHEEN = (FEATURES & FEATURE_SHEEN) != 0u;
 // Whether materials have a record of layers, with or without textures.
-const bool LAYERED = SPECULAR_COLORS || CLEARCOAT || ANISOTROPY || DIFFUSE_TRANSMISSION || SHEEN;
+const bool LAYERED =
+    SPECULAR_COLORS || CLEARCOAT || ANISOTROPY || DIFFUSE_TRANSMISSION || SHEEN || PARTIAL_TRANSMISSION;
 const bool SHADED = TEXTURES || SHADING_NORMALS || NORMAL_MAPS || VERTEX_COLORS || LAYERED;
 const bool TEXTURED_LIGHTS = (FEATURES & FEATURE_TEXTURED_LIGHTS) != 0u;
 
@@ -166,6 +167,8 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
     }
     if ((TEXTURES || NORMAL_MAPS || LAYERED) && material.textures != 0u) {
         MaterialTextures textures = scene.shading.material_textures[material.textures - 1u].at;
+        float share = 0.0;
+        if (PARTIAL_TRANSMISSION && GLOSSY) share = partial_share_at(scene, material, slot, hit.u, hit.v);
         if (TEXTURES) {
             material.albedo =
                 shade_multiply(material.albedo, shade_sample(scene, textures.base_color, slot, weights));
@@ -182,6 +185,7 @@ vec3 shade(SceneRef scene, Surface at, Hit hit, inout Material material, inout L
                 material.specular = alpha_multiply(material.specular, texel);
             }
         }
+        if (PARTIAL_TRANSMISSION && GLOSSY) material.metallic = partial_opaque_metallic(material.metallic, share);
         if (SPECULAR_COLORS) {
             layers.specular_color =
                 shade_multiply(textures.specular_color_factor, shade_sample(scene, textures.specular_color, slot, weights));

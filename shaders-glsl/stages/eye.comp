@@ -203,11 +203,11 @@ void main() {
     while (alive) {
         Hit hit;
         uint word = 0u;
-        if (ALPHA) word = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces).w;
+        if (RANDOM_SURFACES) word = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces).w;
         alive = nearest(push.scene, path.ray, word, hit);
         bool escaped = !alive;
         if (alive) {
-            Surface at = surface_of(push.scene, path.ray.direction, hit);
+            Surface at = surface_met(push.scene, path.ray.direction, hit, word);
             Material material = push.scene.materials[at.material].at;
             vec3 normal = at.normal;
             Layers layers = layers_none();

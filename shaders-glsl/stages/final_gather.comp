@@ -70,9 +70,9 @@ void main() {
     Hit hit;
     for (uint bounce = 1; counts && bounce <= push.max_bounces; bounce++) {
         uint word = 0u;
-        if (ALPHA) word = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed).w;
+        if (RANDOM_SURFACES) word = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed).w;
         if (!nearest(push.scene, ray, word, hit)) break;
-        Surface at = surface_of(push.scene, ray.direction, hit);
+        Surface at = surface_met(push.scene, ray.direction, hit, word);
         Material material = push.scene.materials[at.material].at;
         vec3 facing = at.normal;
         Layers layers = layers_none();

@@ -133,9 +133,9 @@ struct Path {
     uint stored[MAP_COUNT];
 };
 
-// The path's random word for surfaces with alpha.
+// The path's random word for surfaces of which it decides.
 uint layer(Path path) {
-    if (!ALPHA) return 0u;
+    if (!RANDOM_SURFACES) return 0u;
     return sampler_words(path.numbers, BLOCK_SURFACES + path.bounce).w;
 }
 
@@ -194,7 +194,7 @@ uint stored_in(uint stored[MAP_COUNT], uint map) {
     return count;
 }
 
-// Where a surface is there for a share of the photons, its coverage, each stands for those that passed.
+// Where a surface is met by a share of the photons, its coverage, each stands for the others too.
 void store(inout Path path, Surface at, vec3 power, float coverage) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
@@ -204,7 +204,7 @@ void store(inout Path path, Surface at, vec3 power, float coverage) {
         Photon photon;
         photon.position = at.point;
         photon.direction = octahedral_pack(-path.ray.direction);
-        photon.power = ALPHA ? over(power, coverage) : power;
+        photon.power = RANDOM_SURFACES ? over(power, coverage) : power;
         photon.normal = octahedral_pack(at.normal);
         push.photons[place].at = photon;
         push.owners[place].at = uvec2(path.index, ordinal << MAP_BITS | map);
@@ -227,11 +227,12 @@ bool has_delta_light(Path path) {
 // Processes one surface; returns how the path ended there, or FATE_NONE.
 uint step_path(inout Path path, Hit hit) {
     if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
-    Surface at = surface_of(push.scene, path.ray.direction, hit);
+    Surface at = surface_met(push.scene, path.ray.direction, hit, layer(path));
     Material material = push.scene.materials[at.material].at;
     bool stores = material_stores_photons(material);
     float coverage = 1.0;
     if (ALPHA) coverage = alpha_coverage_at(push.scene, material, hit.slot, hit.u, hit.v);
+    if (PARTIAL_TRANSMISSION) coverage *= 1.0 - partial_share_at(push.scene, material, hit.slot, hit.u, hit.v);
     vec3 normal = at.normal;
     Layers layers = layers_none();
     if (SHADED) {

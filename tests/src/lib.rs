@@ -40,6 +40,7 @@ pub mod many_lights;
 pub mod nesting;
 pub mod numerics;
 pub mod paper;
+pub mod partial_transmission;
 pub mod photon_formats;
 pub mod precision;
 pub mod required_format;
@@ -161,6 +162,10 @@ macro_rules! whole_suite {
             anisotropy::{ brushed_plates }
             diffuse_transmission::{
                 sunlit_from_behind, white_furnace, g5_closed_room, photons_leave_on_both_sides,
+            }
+            partial_transmission::{
+                sunlit_surfaces, seen_through, light_on_a_floor, white_furnace, g5_closed_room, furnace_of_a_solid,
+                two_texels_are_two_materials,
             }
             gloss_caustics::{
                 sun_through_a_pane, photons_behind_a_pane_are_like_shadow_rays, tilted_normals_behind_a_pane,

@@ -35,6 +35,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("MATERIAL_EMITS_BOTH_SIDES", Material::EMITS_BOTH_SIDES),
                 ("MATERIAL_ALPHA", Material::ALPHA),
                 ("MATERIAL_DIFFUSE_TRANSMISSION", Material::DIFFUSE_TRANSMISSION),
+                ("MATERIAL_PARTIAL_TRANSMISSION", Material::PARTIAL_TRANSMISSION),
             ],
         ),
         (
@@ -85,6 +86,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_CLEARCOAT_NORMALS", Features::CLEARCOAT_NORMALS.bits()),
                 ("FEATURE_COATED_LIGHTS", Features::COATED_LIGHTS.bits()),
                 ("FEATURE_SHEEN", Features::SHEEN.bits()),
+                ("FEATURE_PARTIAL_TRANSMISSION", Features::PARTIAL_TRANSMISSION.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],

@@ -94,9 +94,9 @@ impl CpuScene {
         })
     }
 
-    /// Whether rays are traced in batches, as the ray caster prefers; never in scenes with alpha.
+    /// Whether rays are traced in batches, as the ray caster prefers; never where random words decide of surfaces.
     pub(crate) fn traces_batches(&self) -> bool {
-        !self.present.contains(Features::ALPHA) && self.caster.prefers_batches()
+        !self.present.intersects(Features::RANDOM_SURFACES) && self.caster.prefers_batches()
     }
 
     /// [`Self::hit`] for each ray.
@@ -137,7 +137,8 @@ impl CpuScene {
         SurfaceInteraction::new(ray.direction, hit, self.vertices[index], self.margins[index], record)
     }
 
-    /// As [`Self::hit`], of the surfaces that are there for the random word `word`; it is not asked for without `ALPHA`.
+    /// As [`Self::hit`], of the surfaces that are there for the random word `word`, with the material that it meets; it is
+    /// not asked for without `ALPHA`: [`Features::RANDOM_SURFACES`].
     #[inline]
     pub(crate) fn hit_with<const ALPHA: bool>(
         &self,
@@ -152,14 +153,25 @@ impl CpuScene {
             let id = hit.primitive;
             !self.has_alpha(id) || alpha::keep(self.coverage(hit), id, word)
         };
-        Ok(self.caster.nearest_where(ray, &keep)?.map(|hit| (self.interaction(ray, &hit), hit)))
+        let found = if self.with_alpha.is_empty() {
+            self.caster.nearest(ray)
+        } else {
+            self.caster.nearest_where(ray, &keep)?
+        };
+        let Some(hit) = found else { return Ok(None) };
+        let mut surface = self.interaction(ray, &hit);
+        if let Some(shading) = &self.shading {
+            let (index, material) = (surface.material, &self.materials[surface.material as usize]);
+            surface.material = shading.view().met_material(&hit, index, material, word);
+        }
+        Ok(Some((surface, hit)))
     }
 
     /// Whether something is in the way of `ray`, of the surfaces that are there for the random word `word`; it is not
     /// asked for without `ALPHA`.
     #[inline]
     pub(crate) fn occluded_with<const ALPHA: bool>(&self, ray: &Ray, word: impl FnOnce() -> u32) -> bool {
-        if !ALPHA {
+        if !ALPHA || self.with_alpha.is_empty() {
             return self.caster.occluded(ray);
         }
         let word = word();
@@ -170,7 +182,8 @@ impl CpuScene {
         self.caster.occluded_where(ray, &keep).unwrap_or(true)
     }
 
-    /// As [`Self::surface`], of the surfaces that may be there: whose coverage is not 0.
+    /// As [`Self::surface`], of the surfaces that may be there: whose coverage is not 0. Those that are partly glass are
+    /// opaque, as photons are stored there that stand for all that arrive.
     #[inline]
     pub(crate) fn covered_surface<const ALPHA: bool>(&self, ray: &Ray) -> Option<SurfaceInteraction> {
         if !ALPHA {
@@ -178,7 +191,12 @@ impl CpuScene {
         }
         let keep = |hit: &Hit| !self.has_alpha(hit.primitive) || self.coverage(hit) > 0.0;
         let hit = self.caster.nearest_where(ray, &keep).ok().flatten()?;
-        Some(self.interaction(ray, &hit))
+        let mut surface = self.interaction(ray, &hit);
+        if let Some(shading) = &self.shading {
+            let (index, material) = (surface.material, &self.materials[surface.material as usize]);
+            surface.material = shading.view().extent_material(&hit, index, material);
+        }
+        Some(surface)
     }
 
     #[inline]
@@ -191,6 +209,13 @@ impl CpuScene {
         let Some(shading) = &self.shading else { return 1.0 };
         let material = &self.materials[self.primitives[hit.primitive as usize].material as usize];
         shading.view().coverage(hit, material)
+    }
+
+    /// The probability with which paths meet the opaque material of the surface at `hit`.
+    pub(crate) fn met_share(&self, hit: &Hit) -> f32 {
+        let Some(shading) = &self.shading else { return 1.0 };
+        let material = &self.materials[self.primitives[hit.primitive as usize].material as usize];
+        shading.view().coverage(hit, material) * (1.0 - shading.view().glass_share(hit, material))
     }
 
     /// Material and shading normal of `surface` at `hit`.

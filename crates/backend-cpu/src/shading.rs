@@ -11,9 +11,9 @@ pub(crate) struct CpuShading {
 }
 
 impl CpuShading {
-    /// `None` for a scene without any, and without alpha.
+    /// `None` for a scene without any, and without surfaces of which random words decide.
     pub(crate) fn new(view: &SceneView<'_>, present: Features) -> Option<Box<Self>> {
-        if view.shading.is_empty() && !present.contains(Features::ALPHA) {
+        if view.shading.is_empty() && !present.intersects(Features::RANDOM_SURFACES) {
             return None;
         }
         let tables = OwnedShadingTables::from(&view.shading);

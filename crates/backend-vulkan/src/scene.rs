@@ -19,7 +19,7 @@ pub(crate) const WITH_TABLES: Features = Features::SHADED
     .union(Features::COATED_LIGHTS)
     .union(Features::ENVIRONMENT)
     .union(Features::LIGHT_TREE)
-    .union(Features::ALPHA);
+    .union(Features::RANDOM_SURFACES);
 
 /// Triangles uploaded at a time.
 const BLOCK: usize = 1 << 20;

@@ -59,8 +59,8 @@ pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radianc
 pub use scene::medium::Medium;
 pub use scene::solids::{Locator, Solids};
 pub use scene::texture::{
-    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, OwnedShadingTables, ShadingTables,
-    SheenLayer, TexelFormat, Texture, TextureUse, Wrap,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, OwnedShadingTables,
+    PartialTransmission, ShadingTables, SheenLayer, TexelFormat, Texture, TextureUse, Wrap,
 };
 pub use scene::units::Units;
 pub use scene::{SceneView, light_cdf, light_probability, pick_light};
@@ -84,6 +84,6 @@ pub use shading::shade::{Shaded, Shading};
 pub use shading::sheen_lobe::SheenTable;
 pub use shading::{
     alpha, anisotropy, area, clearcoat, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset,
-    photon_sample, random, rough_glass, sampling, shade, shading_normal, shadow_terminator, sheen, sobol, solid_angle,
-    texture,
+    partial_transmission, photon_sample, random, rough_glass, sampling, shade, shading_normal, shadow_terminator,
+    sheen, sobol, solid_angle, texture,
 };

@@ -96,7 +96,7 @@ pub struct MaterialDesc {
     /// Whether the back emits too, not only the front.
     pub emits_both_sides: bool,
     /// Where solids overlap, the one of the highest priority applies; among equals, the one that light entered last.
-    /// Only for [`Surface::Dielectric`].
+    /// Only for [`Surface::Dielectric`], and where [`Self::transmission_absorption`] makes a solid.
     pub priority: u32,
     /// Factor on the alpha of the surface, in `[0, 1]`.
     pub alpha: f64,
@@ -125,6 +125,14 @@ pub struct MaterialDesc {
     pub diffuse_transmission: f64,
     /// Albedo of that transmission, linear RGB, each channel in `[0, 1]`.
     pub diffuse_transmission_color: [f64; 3],
+    /// Share of a [`Surface::Glossy`] that is glass, in `[0, 1]`; 0 for none. Of what is not metal: as in glTF, metal does not
+    /// transmit. The glass has the refractive index, roughness and base colour of the surface, the latter as its tint. It is
+    /// a sheet without thickness, unless [`Self::transmission_absorption`] is given. Its clearcoat, sheen, anisotropy and
+    /// specular factors are those of the opaque part alone.
+    pub transmission: f64,
+    /// Absorption coefficient inside, as of [`Surface::Dielectric`]: the mesh bounds a solid and must be closed. `None` for
+    /// a sheet.
+    pub transmission_absorption: Option<[f64; 3]>,
     /// Colour of a sheen over the surface, which reflects light at grazing angles like the fibres of cloth, linear RGB, each
     /// channel in `[0, 1]`; black without one. Not for [`Surface::Dielectric`] and [`Surface::Thin`].
     pub sheen_color: [f64; 3],
@@ -153,6 +161,8 @@ impl MaterialDesc {
             anisotropy_rotation: 0.0,
             diffuse_transmission: 0.0,
             diffuse_transmission_color: [1.0; 3],
+            transmission: 0.0,
+            transmission_absorption: None,
             sheen_color: [0.0; 3],
             sheen_roughness: 0.0,
             textures: TexturesDesc::default(),
@@ -233,6 +243,12 @@ impl MaterialDesc {
         Self { diffuse_transmission, diffuse_transmission_color, ..self }
     }
 
+    /// The material with this [`Self::transmission`] and [`Self::transmission_absorption`].
+    #[must_use]
+    pub fn with_transmission(self, transmission: f64, transmission_absorption: Option<[f64; 3]>) -> Self {
+        Self { transmission, transmission_absorption, ..self }
+    }
+
     /// The material with this [`Self::sheen_color`] and [`Self::sheen_roughness`].
     #[must_use]
     pub fn with_sheen(self, sheen_color: [f64; 3], sheen_roughness: f64) -> Self {
@@ -255,6 +271,21 @@ impl MaterialDesc {
     #[must_use]
     pub fn with_priority(self, priority: u32) -> Self {
         Self { priority, ..self }
+    }
+
+    /// The glass that a share of the surface is; `None` without any.
+    pub(crate) fn transmitting_surface(&self) -> Option<Surface> {
+        let Surface::Glossy { base_color: tint, roughness, ior, .. } = self.surface else { return None };
+        (self.transmission > 0.0).then_some(match self.transmission_absorption {
+            Some(absorption) => Surface::Dielectric { ior, absorption, tint, roughness },
+            None => Surface::Thin { ior, tint, roughness },
+        })
+    }
+
+    /// Whether some of the surface bounds a solid.
+    pub(crate) fn is_solid(&self) -> bool {
+        let is_solid = |surface: &Surface| matches!(surface, Surface::Dielectric { .. });
+        is_solid(&self.surface) || self.transmitting_surface().as_ref().is_some_and(is_solid)
     }
 
     /// Whether the material emits any light.

@@ -111,7 +111,28 @@ pub(crate) enum MaterialExtras {
         diffuse_transmission: Option<TransmissionExtras>,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         sheen: Option<SheenExtras>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        transmission: Option<GlassExtras>,
     },
+}
+
+/// The share of a surface that is glass: that share, absorption and priority if it is a solid.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GlassExtras {
+    factor: Exact,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    absorption: Option<Triple>,
+    #[serde(default)]
+    priority: u32,
+}
+
+impl GlassExtras {
+    fn new(desc: &MaterialDesc) -> Option<Self> {
+        let absorption = desc.transmission_absorption.map(exact);
+        let found = Self { factor: Exact(desc.transmission), absorption, priority: desc.priority };
+        (desc.transmission > 0.0).then_some(found)
+    }
 }
 
 /// Diffuse transmission: share and colour.
@@ -188,6 +209,7 @@ impl MaterialExtras {
                     .then_some([Exact(desc.anisotropy), Exact(desc.anisotropy_rotation)]),
                 diffuse_transmission,
                 sheen,
+                transmission: GlassExtras::new(desc),
                 specular_color: (desc.specular_color != [1.0; 3]).then(|| exact(desc.specular_color)),
                 emission,
                 emits_both_sides,
@@ -205,7 +227,13 @@ impl MaterialExtras {
         | Self::Glossy { textures, .. }) = &self;
         let textures = textures.as_ref().map_or(Some(found), |textures| textures.refine(found))?;
         // Priority applies only to solids.
-        let priority = if let Self::Glass { priority, .. } = self { priority } else { 0 };
+        let (transmission, absorption, priority) = match &self {
+            Self::Glossy { transmission: Some(found), .. } => {
+                (found.factor.0, found.absorption.map(plain), found.priority)
+            }
+            Self::Glass { priority, .. } => (0.0, None, *priority),
+            _ => (0.0, None, 0),
+        };
         let [clearcoat, clearcoat_roughness] = match &self {
             Self::Lambert { clearcoat: Some(both), .. }
             | Self::Mirror { clearcoat: Some(both), .. }
@@ -266,6 +294,7 @@ impl MaterialExtras {
         let base = MaterialDesc::new(name, surface).with_specular_color(specular_color);
         let base = base.with_clearcoat(clearcoat, clearcoat_roughness).with_anisotropy(anisotropy, rotation);
         let base = base.with_diffuse_transmission(share, color).with_sheen(sheen_color, sheen_roughness);
+        let base = base.with_transmission(transmission, absorption);
         Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..base })
     }
 }

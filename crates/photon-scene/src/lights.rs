@@ -4,7 +4,7 @@ use crate::describe::{AlphaMode, LightDesc, MaterialDesc, Surface};
 use crate::environment::Sun;
 use crate::error::SceneError;
 use crate::normalise::{Frame, Geometry};
-use crate::shading::Radiances;
+use crate::shading::{Radiances, simplest};
 use crate::validate::unit;
 use glam::DVec3;
 use photon_core::sampling::spot_solid_angle;
@@ -166,7 +166,8 @@ fn mean(power: DVec3) -> f64 {
     power.element_sum() / 3.0
 }
 
-/// The materials, in the order in which they were added, and the table of media that they refer to.
+/// The materials, in the order in which they were added, then the glass of those in use that are partly glass, in the same
+/// order; and the table of media that they refer to.
 pub(crate) fn materials(
     descs: &[MaterialDesc],
     geometry: &Geometry,
@@ -182,11 +183,23 @@ pub(crate) fn materials(
         in_use[material as usize] = true;
     }
     let mut media = vec![Medium::VACUUM];
-    let materials = descs
+    let mut all_glass = Vec::new();
+    let mut materials: Vec<Material> = descs
         .iter()
         .zip(shines.into_iter().zip(in_use))
         .map(|(desc, (shines, in_use))| {
-            let surface = surface(desc, in_use, &mut media, frame);
+            let glass = desc.transmitting_surface().filter(|_| in_use);
+            let glass =
+                glass.map(|glass| surface(&MaterialDesc { surface: glass, ..desc.clone() }, true, &mut media, frame));
+            let surface = match glass {
+                None => surface(desc, in_use, &mut media, frame),
+                // It has not been simplified, since its glass needs all of it.
+                Some(_) => {
+                    let is_varied = desc.textures.metallic_roughness.is_some() || desc.anisotropy > 0.0;
+                    let opaque = MaterialDesc { surface: simplest(desc.surface.clone(), is_varied), ..desc.clone() };
+                    surface(&opaque, in_use, &mut media, frame)
+                }
+            };
             // An emissive material that no triangle uses must not count as a light.
             let emission =
                 if shines && lit.total > 0.0 { DVec3::from_array(desc.emission) / lit.total } else { DVec3::ZERO };
@@ -197,10 +210,14 @@ pub(crate) fn materials(
                 AlphaMode::Blend => (Material::ALPHA, 0.0),
             };
             let through = if desc.diffuse_transmission > 0.0 { Material::DIFFUSE_TRANSMISSION } else { 0 };
-            let (flags, alpha) = (flags | coverage | through, desc.alpha as f32);
-            Material { emission: emission.as_vec3().to_array(), flags, alpha, alpha_cutoff, ..surface }
+            let emission = emission.as_vec3().to_array();
+            let partly = if glass.is_some() { Material::PARTIAL_TRANSMISSION } else { 0 };
+            all_glass.extend(glass.map(|glass| Material { emission, flags, ..glass }));
+            let (flags, alpha) = (flags | coverage | through | partly, desc.alpha as f32);
+            Material { emission, flags, alpha, alpha_cutoff, ..surface }
         })
         .collect();
+    materials.extend(all_glass);
     let count = media.len() - 1;
     if count > MediumStack::MAX_MEDIA {
         return Err(SceneError::TooMany { what: "different media of solids", count });

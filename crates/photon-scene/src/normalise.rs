@@ -160,7 +160,7 @@ fn meets_a_solid(mesh: &Mesh, meshes: &[Mesh], materials: &[MaterialDesc]) -> bo
     let Some((low, high)) = bounds(std::slice::from_ref(mesh)) else { return false };
     meshes.iter().any(|other| {
         let desc = &materials[other.material.0 as usize];
-        matches!(desc.surface, Surface::Dielectric { .. })
+        desc.is_solid()
             && !desc.is_invisible()
             && bounds(std::slice::from_ref(other))
                 .is_some_and(|(from, to)| (0..3).all(|axis| low[axis] <= to[axis] && from[axis] <= high[axis]))

@@ -27,6 +27,7 @@ use crate::shading;
 /// | mirror | metal of roughness 0 |
 /// | solid dielectric | `KHR_materials_transmission`, `KHR_materials_ior`, `KHR_materials_volume` with its absorption |
 /// | thin sheet | the same without a volume |
+/// | partly glass | the share as `transmissionFactor` and its texture |
 /// | emission | `emissiveFactor` × `KHR_materials_emissive_strength` |
 /// | textures | PNG, with samplers and `KHR_texture_transform`; textures of one colour become factors |
 /// | vertex attributes | normals and tangents of unit length, colours in `[0, 1]`, UV sets |

@@ -1,6 +1,6 @@
 //! Checks that refracting solids are closed and face outwards.
 
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::MaterialDesc;
 use crate::edges::open_edges;
 use crate::normalise::Geometry;
 use glam::{DVec3, Vec3};
@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 /// inwards, and a solid may consist of several meshes.
 pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &mut Vec<String>) {
     for (index, material) in materials.iter().enumerate() {
-        if !matches!(material.surface, Surface::Dielectric { .. }) {
+        if !material.is_solid() {
             continue;
         }
         let triangles: Vec<[Vec3; 3]> = geometry

@@ -152,6 +152,8 @@ pub struct TexturesDesc {
     pub diffuse_transmission: Option<TextureRef>,
     /// Its colour multiplies [`crate::MaterialDesc::diffuse_transmission_color`].
     pub diffuse_transmission_color: Option<TextureRef>,
+    /// Its red multiplies [`crate::MaterialDesc::transmission`]; linear.
+    pub transmission: Option<TextureRef>,
     /// Its colour multiplies [`crate::MaterialDesc::sheen_color`].
     pub sheen_color: Option<TextureRef>,
     /// Its alpha multiplies [`crate::MaterialDesc::sheen_roughness`]; its colours are not read.
@@ -177,6 +179,7 @@ impl Default for TexturesDesc {
             anisotropy: None,
             diffuse_transmission: None,
             diffuse_transmission_color: None,
+            transmission: None,
             sheen_color: None,
             sheen_roughness: None,
         }
@@ -268,6 +271,12 @@ impl TexturesDesc {
         Self { diffuse_transmission_color: Some(texture), ..self }
     }
 
+    /// The same with this texture as [`Self::transmission`].
+    #[must_use]
+    pub fn with_transmission(self, texture: TextureRef) -> Self {
+        Self { transmission: Some(texture), ..self }
+    }
+
     /// The same with this texture as [`Self::sheen_color`].
     #[must_use]
     pub fn with_sheen_color(self, texture: TextureRef) -> Self {
@@ -296,6 +305,7 @@ impl TexturesDesc {
             ("anisotropy", self.anisotropy),
             ("diffuse_transmission", self.diffuse_transmission),
             ("diffuse_transmission_color", self.diffuse_transmission_color),
+            ("transmission", self.transmission),
             ("sheen_color", self.sheen_color),
             ("sheen_roughness", self.sheen_roughness),
         ];

@@ -87,6 +87,7 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
         ("clearcoat_roughness", desc.clearcoat_roughness),
         ("anisotropy", desc.anisotropy),
         ("diffuse_transmission", desc.diffuse_transmission),
+        ("transmission", desc.transmission),
         ("sheen_roughness", desc.sheen_roughness),
     ];
     for (name, share) in shares {
@@ -101,9 +102,16 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
         let fine = cutoff >= 0.0 && (cutoff as f32).is_finite();
         require(fine, "the alpha cutoff", cutoff, "it must be a finite number, at least 0")?;
     }
-    let is_solid = matches!(desc.surface, Surface::Dielectric { .. });
+    if desc.transmission > 0.0 {
+        let Surface::Glossy { ior, .. } = desc.surface else {
+            let hint = "only a glossy surface can be partly glass: make it glossy, or leave the share out";
+            return Err(("transmission", desc.transmission.to_string(), hint));
+        };
+        refractive(ior)?;
+        not_negative("transmission_absorption", desc.transmission_absorption.unwrap_or([0.0; 3]))?;
+    }
     require(
-        !is_solid || desc.alpha_mode == AlphaMode::Opaque,
+        !desc.is_solid() || desc.alpha_mode == AlphaMode::Opaque,
         "the alpha mode",
         desc.alpha_mode,
         "the boundary of a solid must be closed; make it opaque, or a thin sheet",

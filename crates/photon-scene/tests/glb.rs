@@ -53,6 +53,10 @@ fn everything() -> SceneBuilder {
         MaterialDesc::mirror("sealed mirror", [0.9, third, 0.1]).with_clearcoat(third, 0.0),
         MaterialDesc::plastic("plastic", [third, 0.9, 0.1], third),
         MaterialDesc::plastic("leaf", [third, 0.9, 0.1], third).with_diffuse_transmission(third, [0.1, third, 1.0]),
+        MaterialDesc::plastic("pane", [third, 0.9, 0.1], third).with_transmission(third, None),
+        MaterialDesc::plastic("gem", [third, 0.9, 0.1], 0.0)
+            .with_transmission(0.9, Some([third, 0.0, 2.0]))
+            .with_priority(2),
         MaterialDesc::lambert("cloth", [third, 0.9, 0.1]).with_sheen([0.1, third, 1.0], third),
         MaterialDesc::mirror("silk", [third, 0.9, 0.1]).with_sheen([0.0, third, 0.0], 0.0).with_clearcoat(third, third),
         MaterialDesc::metal("velvet", [0.9, third, 0.1], third).with_sheen([third; 3], 1.0),

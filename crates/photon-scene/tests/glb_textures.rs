@@ -80,6 +80,8 @@ fn everything() -> SceneBuilder {
     worn_paint.diffuse_transmission = third;
     worn_paint.textures.diffuse_transmission = Some(TextureRef::new(holes).with_transform(turned));
     worn_paint.textures.diffuse_transmission_color = Some(TextureRef::new(tiles));
+    worn_paint.transmission = third;
+    worn_paint.textures.transmission = Some(TextureRef::new(bumps).with_transform(turned));
     (worn_paint.sheen_color, worn_paint.sheen_roughness) = ([third, 1.0, 0.1], third);
     worn_paint.textures.sheen_color = Some(TextureRef::new(tiles).with_transform(turned));
     worn_paint.textures.sheen_roughness = Some(TextureRef::new(holes));

@@ -12,7 +12,7 @@ mod unsupported;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use photon_core::{Camera, Features, Light, Material, MaterialKind};
+use photon_core::{Camera, Features, Light, Material, MaterialKind, partial_transmission};
 use photon_scene::Scene;
 
 use crate::atomic_write;
@@ -132,16 +132,12 @@ fn sensor(scene: &Scene, camera: &Camera, (width, height): (u32, u32)) -> String
     text
 }
 
-fn shape(
-    scene: &Scene,
-    (name, material): (&str, &Material),
-    file: &str,
-    warnings: &mut Vec<String>,
-) -> Result<String, Fault> {
+/// The material's BSDF.
+fn bsdf(name: &str, material: &Material, warnings: &mut Vec<String>) -> Result<String, Fault> {
     let colour = material.albedo;
     let ior = format!("<float name=\"int_ior\" value=\"{}\"/><float name=\"ext_ior\" value=\"1\"/>", material.ior);
     let two_sided = |inner: &str| format!("<bsdf type=\"twosided\">{inner}</bsdf>");
-    let bsdf = match material.kind() {
+    Ok(match material.kind() {
         MaterialKind::Lambert => two_sided(&format!("<bsdf type=\"diffuse\">{}</bsdf>", rgb("reflectance", colour))),
         MaterialKind::Mirror => two_sided(&format!(
             "<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>{}</bsdf>",
@@ -185,12 +181,31 @@ fn shape(
                  surface"
             )));
         }
-    };
+    })
+}
+
+fn shape(
+    scene: &Scene,
+    (name, material): (&str, &Material),
+    file: &str,
+    warnings: &mut Vec<String>,
+) -> Result<String, Fault> {
+    let mut bsdf = bsdf(name, material, warnings)?;
+    let mut medium = material.medium;
+    if material.has_partial_transmission()
+        && let Some(entry) = scene.view().shading.partial_transmissions.get(material.textures as usize - 1)
+    {
+        let glass = &scene.view().materials[entry.glass as usize];
+        let share = partial_transmission::share(entry.factor, 1.0, material.metallic);
+        let second = self::bsdf(name, glass, warnings)?;
+        bsdf = format!("<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"{share}\"/>{bsdf}{second}</bsdf>");
+        medium = glass.medium;
+    }
     let mut text = String::from("    <shape type=\"ply\">\n");
     let _ = writeln!(text, "        <string name=\"filename\" value=\"{}\"/>", escaped(file));
     let _ = writeln!(text, "        <boolean name=\"face_normals\" value=\"true\"/>\n        {bsdf}");
     let units = scene.units();
-    let absorption = scene.view().media[material.medium as usize].absorption;
+    let absorption = scene.view().media[medium as usize].absorption;
     if absorption != [0.0; 3] {
         // Mitsuba reads sigma_t like a reflectance and refuses what exceeds 1, so that the scale has the magnitude.
         let sigma = absorption.map(|c| f64::from(c) / units.scale);

@@ -35,7 +35,7 @@ impl AreaProbe<Cpu> for CpuArea {
         buffers: EstimateBuffers<'_, Cpu>,
     ) -> Result<()> {
         let estimates = buffers.estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK));
-        let has_alpha = scene.present.contains(Features::ALPHA);
+        let has_alpha = scene.present.intersects(Features::RANDOM_SURFACES);
         on.pool.install(|| match buffers.error_moments {
             None => estimates.for_each(|(estimates, queries)| {
                 for (estimate, query) in estimates.iter_mut().zip(queries) {

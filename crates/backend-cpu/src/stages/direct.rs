@@ -28,7 +28,7 @@ impl DirectLight<Cpu> for CpuDirect {
         shadow_rays: u32,
         film: &mut CpuFilm,
     ) -> Result<()> {
-        let irradiance = match (scene.present.intersects(SHADED), scene.present.contains(Features::ALPHA)) {
+        let irradiance = match (scene.present.intersects(SHADED), scene.present.intersects(Features::RANDOM_SURFACES)) {
             (_, true) => traced::<true, true>,
             (true, false) => traced::<true, false>,
             (false, false) => traced::<false, false>,

@@ -50,7 +50,7 @@ impl EyeTracer<Cpu> for CpuEye {
         let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits, terminator_offset };
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
         let is_shaded = scene.features.intersects(Features::SHADED);
-        let look = match (is_shaded, scene.present.contains(Features::ALPHA), has_lens) {
+        let look = match (is_shaded, scene.present.intersects(Features::RANDOM_SURFACES), has_lens) {
             (_, _, true) if reflections => Eye::look::<true, true, true, true>,
             (_, _, false) if reflections => Eye::look::<true, true, false, true>,
             (_, true, true) => Eye::look::<true, true, true, false>,

@@ -36,11 +36,12 @@ impl FinalGather<Cpu> for CpuGather {
             gather.validate_for(map.photon_format())?;
         }
         let max_bounces = self.max_bounces;
-        let follow = match (scene.present.intersects(Features::SHADED), scene.present.contains(Features::ALPHA)) {
-            (_, true) => follow::<true, true>,
-            (true, false) => follow::<true, false>,
-            (false, false) => follow::<false, false>,
-        };
+        let follow =
+            match (scene.present.intersects(Features::SHADED), scene.present.intersects(Features::RANDOM_SURFACES)) {
+                (_, true) => follow::<true, true>,
+                (true, false) => follow::<true, false>,
+                (false, false) => follow::<false, false>,
+            };
         on.pool.install(|| {
             film.for_queries(queries.as_slice(), PerMap::<Neighbours>::default, |scratch, _, query, pixel, errors| {
                 let key = query.path;

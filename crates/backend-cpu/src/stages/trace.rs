@@ -152,8 +152,8 @@ impl Walk<'_> {
 
 /// Traces one path to its end. `F` selects the lobes that are compiled in; with [`BATCHED`], it is traced up to its next
 /// ray, from where it was paused.
-fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput, paused: &mut Paused) {
-    let features = Features::from_bits_truncate(F);
+fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOutput, paused: &mut Paused) {
+    let features = Features::from_bits_truncate(F as u32);
     let scene = walk.scene;
     let shaded = features.intersects(Features::SHADED);
     let reflections = F & REFLECTED != 0;
@@ -194,7 +194,7 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 return;
             };
             Ok(hit.map(|hit| (scene.interaction(&ray, &hit), hit)))
-        } else if features.contains(Features::ALPHA) {
+        } else if features.intersects(Features::RANDOM_SURFACES) {
             // A copy, since a sequence must not advance twice.
             let mut layer = sampler;
             scene.hit_with::<true>(&ray, || layer.words(block)[3])
@@ -238,10 +238,9 @@ fn follow<const F: u32>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         let is_first = aimed && bounce == 0;
         let kind = MapKind::of_path(specular_only, bounce);
         let target = if is_first || !walk.wanted[kind] { None } else { Some(&mut output.photons[kind]) };
-        // Where a surface is there for a share of the photons, each stands for those that passed.
-        let covered = if features.contains(Features::ALPHA) { Some((scene, &hit)) } else { None };
+        let met = if features.intersects(Features::RANDOM_SURFACES) { Some((scene, &hit)) } else { None };
         let wo = -ray.direction;
-        let store = Store { target, kind, surface: &surface, wo, covered };
+        let store = Store { target, kind, surface: &surface, wo, met };
         if reflections && material.has_reflection() {
             if is_reflected(scene, start) {
                 store.add(power, tally);
@@ -327,8 +326,8 @@ struct Store<'a> {
     kind: MapKind,
     surface: &'a SurfaceInteraction,
     wo: Vec3,
-    /// Where the surface is there for a share of the photons: its hit.
-    covered: Option<(&'a CpuScene, &'a Hit)>,
+    /// Where the surface is met by a share of the photons, each of which stands for the others too: its hit.
+    met: Option<(&'a CpuScene, &'a Hit)>,
 }
 
 impl Store<'_> {
@@ -336,7 +335,7 @@ impl Store<'_> {
     fn add(self, power: Vec3, tally: &mut Tally) {
         let Some(photons) = self.target else { return };
         tally.stored[self.kind] += 1;
-        let arriving = self.covered.map_or(power, |(scene, hit)| power / scene.coverage(hit));
+        let arriving = self.met.map_or(power, |(scene, hit)| power / scene.met_share(hit));
         photons.push(Photon {
             position: self.surface.point.into(),
             normal: octahedral::pack(self.surface.normal),

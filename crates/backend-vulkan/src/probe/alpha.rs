@@ -1,6 +1,6 @@
 //! Alpha coverage compared with photon-core's.
 
-use photon_core::{Hit, Shading, alpha};
+use photon_core::{Hit, Shading, alpha, partial_transmission};
 
 use super::compare::Bound;
 use super::draw::{Draw, LAST, input};
@@ -26,6 +26,15 @@ pub(super) fn rows() -> Vec<Row> {
         row("alpha_keep", 1, Bound::Words, ray, |i| word(alpha::keep(i.float(0), i.0[1], i.0[2]).into())),
         row("alpha_coverage", 2, Bound::Bits, material, |i| output([alpha::coverage(i.float(0), i.float(1))])),
         row("alpha_coverage_of", 3, Bound::Bits, hit, |i| output([covered(i, [i.float(0), i.float(1)])])),
+        row("partial_share", 4, Bound::Bits, shares, |i| {
+            output([partial_transmission::share(i.float(0), i.float(1), i.float(2))])
+        }),
+        // A division.
+        row("partial_opaque_metallic", 5, Bound::Relative(4e-7), shares, |i| {
+            output([partial_transmission::opaque_metallic(i.float(0), i.float(1))])
+        }),
+        row("partial_share_at", 6, Bound::Bits, hit, |i| output([share(i, [i.float(0), i.float(1)])])),
+        row("partial_material", 7, Bound::Words, met, |i| word(met_material(i, i.0[2]))),
     ]
 }
 
@@ -63,10 +72,41 @@ fn hit(d: &mut Draw) -> Input {
     made
 }
 
-fn covered(i: &Input, [u, v]: [f32; 2]) -> f32 {
-    let tables = Shading { tables: SHADED.view().shading, values: &VALUES, triangles: TRIANGLES as usize };
+/// Three numbers in the unit interval, or somewhat more.
+fn shares(d: &mut Draw) -> Input {
+    let mut any = || {
+        let unit = d.unit();
+        d.pick(&[0.0, 1.0, unit, unit, 1.0 - 1e-6, 1.25])
+    };
+    input([any(), any(), any(), 0.0], [0.0; 4], [0.0; 4])
+}
+
+/// A hit and the random word of its ray: one that decides now and then.
+fn met(d: &mut Draw) -> Input {
+    let mut made = hit(d);
+    let (any, last) = (d.word(), (share(&made, [made.float(0), made.float(1)]) * 16_777_216.0) as u32);
+    made.0[2] = d.pick(&[0, u32::MAX, any, any, last.wrapping_shl(8), last.wrapping_shl(8).wrapping_sub(1)]);
+    made
+}
+
+fn tables() -> Shading<'static> {
+    Shading { tables: SHADED.view().shading, values: &VALUES, triangles: TRIANGLES as usize }
+}
+
+fn share(i: &Input, [u, v]: [f32; 2]) -> f32 {
     let material = SHADED.primitives[i.0[5] as usize].material as usize;
-    tables.coverage(&Hit { t: 1.0, primitive: i.0[5], u, v }, &SHADED.materials[material])
+    tables().glass_share(&Hit { t: 1.0, primitive: i.0[5], u, v }, &SHADED.materials[material])
+}
+
+fn met_material(i: &Input, word: u32) -> u32 {
+    let index = SHADED.primitives[i.0[5] as usize].material;
+    let hit = Hit { t: 1.0, primitive: i.0[5], u: i.float(0), v: i.float(1) };
+    tables().met_material(&hit, index, &SHADED.materials[index as usize], word)
+}
+
+fn covered(i: &Input, [u, v]: [f32; 2]) -> f32 {
+    let material = SHADED.primitives[i.0[5] as usize].material as usize;
+    tables().coverage(&Hit { t: 1.0, primitive: i.0[5], u, v }, &SHADED.materials[material])
 }
 
 #[test]
@@ -80,6 +120,10 @@ fn coverage_is_that_of_rust() {
             0 => |i| word(alpha::mix(i.0[0] ^ 1)),
             1 => |i| word((alpha::keep(i.float(0), i.0[1], i.0[2]) || i.float(0) > 0.999_999_9 * threshold(i)).into()),
             2 => |i| output([if i.float(1) > 0.0 { alpha::coverage(i.float(0), i.float(1)) } else { i.float(0) }]),
+            4 => |i| output([i.float(0) * i.float(1) * (1.0 - i.float(2))]),
+            5 => |i| output([i.float(0) / (1.0 - i.float(1))]),
+            6 => |i| output([share(i, [i.float(0) + 4.0 * LAST, i.float(1)])]),
+            7 => |i| word(met_material(i, i.0[2] ^ 256)),
             _ => |i| output([covered(i, [i.float(0) + 4.0 * LAST, i.float(1)])]),
         };
         assert_twin(&mut on, &row, &address, wrong);

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::light_tree::LightNode;
 use photon_core::{
     Anisotropy, Camera, ClearcoatNormal, DiffuseTransmission, Element, ErrorMoments, Estimate, Light, Material,
-    MaterialTextures, Medium, Photon, PhotonRay, Primitive, Query, SheenLayer, TextureUse,
+    MaterialTextures, Medium, PartialTransmission, Photon, PhotonRay, Primitive, Query, SheenLayer, TextureUse,
 };
 
 use super::spirv::{Member, Shape, structs};
@@ -63,6 +63,7 @@ fn records() -> Vec<Record> {
         record!(DiffuseTransmission: color factor color_texture factor_texture reserved),
         record!(SheenLayer: color roughness color_texture roughness_texture reserved),
         record!(ClearcoatNormal: is_own texture scale reserved),
+        record!(PartialTransmission: factor factor_texture glass reserved),
         record!(LightNode: center radius intensity axis cone next),
     ]
 }

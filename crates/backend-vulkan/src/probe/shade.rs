@@ -41,6 +41,8 @@ pub(super) fn rows() -> Vec<Row> {
             four_of(shaded(i, [i.float(0), i.float(1)]).layers.coat_normal)
         }),
         row("shade, sheen", 10, Bound::Bits, hit, |i| sheen(&shaded(i, [i.float(0), i.float(1)]))),
+        // A division.
+        row("shade, metal", 12, Bound::Relative(4e-7), hit, |i| metal(&shaded(i, [i.float(0), i.float(1)]))),
         // The normal as below, times the slope of the albedo over the cosine, which is below 10 from a cosine of 1e-3 on.
         // Of textures with values above 1, which scenes may not have, it is large.
         row("emission_through", 11, Bound::Conditioned(2e-4, "1 + the value", magnitude), emitted, |i| {
@@ -179,6 +181,10 @@ fn sheen(shaded: &Shaded) -> Output {
     output([r, g, b, shaded.layers.sheen_roughness])
 }
 
+fn metal(shaded: &Shaded) -> Output {
+    output([shaded.material.metallic])
+}
+
 /// A point of a triangle, and a direction from it.
 fn emitted(d: &mut Draw) -> Input {
     let mut made = hit(d);
@@ -201,7 +207,9 @@ fn magnitude(i: &Input) -> f64 {
 
 fn colors(shaded: &Shaded) -> Output {
     let ([r, g, b], [x, y, z]) = (shaded.material.albedo, shaded.material.emission);
-    output([r, g, b, shaded.material.roughness, x, y, z, shaded.material.metallic])
+    // That of partly transmitting materials has a division, and is a row of its own.
+    let metallic = if shaded.material.has_partial_transmission() { 0.0 } else { shaded.material.metallic };
+    output([r, g, b, shaded.material.roughness, x, y, z, metallic])
 }
 
 /// [`shade::turned`] with lengths off by `error` of themselves, with signs by the bits of `signs`.
@@ -252,6 +260,7 @@ fn hits_are_shaded_as_in_rust() {
             8 => |i| transmission(&shaded(i, [i.float(1), i.float(0)])),
             10 => |i| sheen(&shaded(i, [i.float(1), i.float(0)])),
             11 => |i| through(i, i.vector(5)),
+            12 => |i| metal(&shaded(i, [i.float(1), i.float(0)])),
             6 => |i| specular(&shaded(i, [i.float(1), i.float(0)])),
             _ => |i| four_of(shaded(i, [i.float(1), i.float(0)]).normal),
         };

@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 use photon_core::glam::Vec3;
 use photon_core::{
     Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, Light, Material, MaterialKind, MaterialTextures,
-    OwnedShadingTables, Primitive, SceneView, ShadingTables, SheenLayer, TexelFormat, Texture, TextureUse, Wrap,
-    octahedral, sampling,
+    OwnedShadingTables, PartialTransmission, Primitive, SceneView, ShadingTables, SheenLayer, TexelFormat, Texture,
+    TextureUse, Wrap, octahedral, sampling,
 };
 use photon_scene::CompressedTree;
 
@@ -14,6 +14,9 @@ use super::draw::Draw;
 
 /// Number of triangles.
 pub(super) const TRIANGLES: u32 = 40;
+
+/// Number of materials, without the glass that some of them are partly.
+const MATERIALS: u32 = 12;
 
 /// Number of lights, the first triangles.
 pub(super) const LIGHTS: u32 = 8;
@@ -110,7 +113,8 @@ impl ShadedScene {
         let none = MaterialTextures::NONE;
         let images = self.shading.textures.len() as u32 - 4;
         let (mut of_specular, mut of_leaves, mut of_cloth) = (Draw::of(0, 4), Draw::of(0, 6), Draw::of(0, 7));
-        for index in 0..12 {
+        let (mut of_glass, mut panes) = (Draw::of(0, 8), Vec::new());
+        for index in 0..MATERIALS {
             let mut image = || if d.now_and_then() { none } else { d.word() % images };
             let (base_color, emission, metallic_roughness) = (image(), image(), image());
             let normal = if d.now_and_then() { none } else { images + d.word() % 3 };
@@ -151,6 +155,11 @@ impl ShadedScene {
             self.shading.sheens.push(if index % 3 == 2 { SheenLayer::NONE } else { cloth });
             // Those without any are not read.
             self.shading.diffuse_transmissions.push(if factor > 0.0 { leaf } else { DiffuseTransmission::NONE });
+            let factor_texture = if of_glass.now_and_then() { none } else { of_glass.word() % images };
+            let (factor, glass) = (of_glass.between(0.1, 1.0), MATERIALS + panes.len() as u32);
+            let pane = PartialTransmission { factor, factor_texture, glass, reserved: 0 };
+            let is_partly_glass = index % 3 == 1;
+            self.shading.partial_transmissions.push(if is_partly_glass { pane } else { PartialTransmission::NONE });
             let albedo = [d.between(0.1, 1.0), d.between(0.1, 1.0), d.between(0.1, 1.0)];
             let emission = [d.between(0.5, 9.0), d.between(0.5, 9.0), d.between(0.5, 9.0)];
             let textures = if index == 0 { 0 } else { index + 1 };
@@ -160,12 +169,18 @@ impl ShadedScene {
             let entry = (textures as usize).checked_sub(1).and_then(|at| self.shading.diffuse_transmissions.get(at));
             let transmits = entry.is_some_and(|entry| entry.factor > 0.0);
             let flags = if transmits { flags | Material::DIFFUSE_TRANSMISSION } else { flags };
+            let flags = if is_partly_glass { flags | Material::PARTIAL_TRANSMISSION } else { flags };
             let kind = if index % 2 == 0 { MaterialKind::Lambert } else { MaterialKind::Glossy };
             let (metallic, roughness, specular) = (d.unit(), d.unit(), of_specular.between(0.5, 1.0));
             let surface =
                 Material { kind: kind as u32, metallic, roughness, specular, ior: 1.5, ..Material::default() };
-            self.materials.push(Material { albedo, emission, textures, flags, alpha, alpha_cutoff, ..surface });
+            let material = Material { albedo, emission, textures, flags, alpha, alpha_cutoff, ..surface };
+            self.materials.push(material);
+            if is_partly_glass {
+                panes.push(Material { kind: MaterialKind::Thin as u32, flags: 0, roughness: 0.0, ..material });
+            }
         }
+        self.materials.extend(panes);
     }
 
     /// A triangle with vertex normals within 25 degrees of its own, every fifth without, and tangents to match.
@@ -176,7 +191,7 @@ impl ShadedScene {
         let first = self.positions.len() as u32;
         self.positions.extend(corners.map(|corner| corner.to_array()));
         self.triangles.push([first, first + 1, first + 2]);
-        self.primitives.push(Primitive { normal: normal.to_array(), material: d.word() % self.materials.len() as u32 });
+        self.primitives.push(Primitive { normal: normal.to_array(), material: d.word() % MATERIALS });
         let mut tilted = |axis: Vec3| octahedral::pack((axis + d.direction() * 0.4).normalize());
         let mut normals = [normal; 3].map(&mut tilted);
         if index % 5 == 4 {
@@ -202,10 +217,9 @@ fn the_scene_has_what_is_read() {
     let view = SHADED.view();
     view.validate().unwrap();
     let read = Features::SHADED.without(Features::ROUGH_GLASS);
-    assert!(
-        Features::of(&view)
-            .contains(read.union(Features::TEXTURED_LIGHTS).union(Features::COATED_LIGHTS).union(Features::ALPHA))
-    );
+    assert!(Features::of(&view).contains(
+        read.union(Features::TEXTURED_LIGHTS).union(Features::COATED_LIGHTS).union(Features::RANDOM_SURFACES)
+    ));
     let mut slots = SHADED.slots.clone();
     slots.sort_unstable();
     assert!(slots.iter().copied().eq(0..TRIANGLES) && slots != SHADED.slots, "{slots:?}");

@@ -25,6 +25,9 @@ struct Record {
     diffuse_transmissions: u64,
     clearcoat_normals: u64,
     sheens: u64,
+    partial_transmissions: u64,
+    /// The record is a multiple of 16 bytes.
+    reserved: u64,
 }
 
 /// `Texture` of texture.glsl.
@@ -73,6 +76,9 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
         }
         if !tables.sheens.is_empty() {
             record.sheens = upload.table("textures", tables.sheens)?;
+        }
+        if !tables.partial_transmissions.is_empty() {
+            record.partial_transmissions = upload.table("textures", tables.partial_transmissions)?;
         }
         record.values = upload.table("textures", byte_values().as_flattened())?;
     }

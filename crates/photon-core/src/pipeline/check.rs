@@ -13,8 +13,7 @@ pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
     if !lit {
         return Err(Error::NoLight);
     }
-    let keeps = scene.primitives.iter().any(|primitive| {
-        let material = &scene.materials[primitive.material as usize];
+    let keeps = scene.primitives.iter().flat_map(|primitive| scene.materials_of(primitive)).any(|material| {
         let scatters = material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0);
         scatters || material.kind() == MaterialKind::Glossy || material.is_rough_glass()
     });

@@ -26,9 +26,7 @@ const PIECES: usize = 1 << 20;
 pub(super) fn of(scene: &SceneView<'_>, among: &dyn Fn(&Material) -> bool, most: usize) -> Vec<Sphere> {
     let specular = || {
         let primitives = scene.primitives.iter().zip(scene.triangles);
-        primitives
-            .filter(|(primitive, _)| among(&scene.materials[primitive.material as usize]))
-            .map(|(_, triangle)| triangle)
+        primitives.filter(|(primitive, _)| scene.materials_of(primitive).any(among)).map(|(_, triangle)| triangle)
     };
     let count = specular().count();
     if count == 0 {

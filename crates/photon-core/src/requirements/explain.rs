@@ -40,6 +40,10 @@ const DIFFUSE_TRANSMISSION: &str = "a second query at each of its surfaces, for 
 const SHEEN: &str = "a second reflection at each of its surfaces, which camera paths follow; sheen = 0 in an override file \
                      removes it";
 
+/// What partial transmission costs, and how to do without.
+const PARTIAL_TRANSMISSION: &str = "each path meets glass or the opaque material, chosen at random, which adds noise; \
+                                    transmission = 0 in an override file makes them opaque";
+
 /// What rough glass costs, and how to do without.
 const ROUGH_GLASS: &str = "camera paths sample a light at each of its surfaces, on one of the two sides; roughness = 0 in an \
                            override file makes it smooth";
@@ -58,7 +62,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 .primitives
                 .iter()
                 .filter(|primitive| {
-                    material_features(&scene.materials[primitive.material as usize], scene).contains(feature)
+                    scene.materials_of(primitive).any(|material| material_features(material, scene).contains(feature))
                 })
                 .count();
             let lights = scene.lights.iter().filter(|light| light_features(light).contains(feature)).count();
@@ -80,6 +84,9 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 }
                 (triangles, _) if feature == Features::SHEEN => {
                     format!("{}; {SHEEN}", counted(triangles, "triangle"))
+                }
+                (triangles, _) if feature == Features::PARTIAL_TRANSMISSION => {
+                    format!("{}; {PARTIAL_TRANSMISSION}", counted(triangles, "triangle"))
                 }
                 (triangles, _) if feature == Features::ROUGH_GLASS => {
                     format!("{}; {ROUGH_GLASS}", counted(triangles, "triangle"))

@@ -67,6 +67,8 @@ bitflags! {
         const COATED_LIGHTS = 1 << 26;
         /// Sheen: cloth.
         const SHEEN = 1 << 27;
+        /// Surfaces that are partly glass: [`crate::partial_transmission`].
+        const PARTIAL_TRANSMISSION = 1 << 28;
     }
 }
 
@@ -88,6 +90,8 @@ impl Features {
         .union(Self::DIFFUSE_TRANSMISSION)
         .union(Self::CLEARCOAT_NORMALS)
         .union(Self::SHEEN);
+    /// Surfaces of which a random word of the ray decides what it meets: whether they are there, or which material.
+    pub const RANDOM_SURFACES: Self = Self::ALPHA.union(Self::PARTIAL_TRANSMISSION);
     /// Where camera paths sample lights, and go on.
     pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);
     /// All lobes that are not diffuse.
@@ -123,6 +127,7 @@ impl Features {
         "clearcoat-normals",
         "coated-lights",
         "sheen",
+        "partial-transmission",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

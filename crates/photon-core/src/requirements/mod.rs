@@ -214,11 +214,9 @@ pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features
     };
     let rough = if material.is_rough_glass() { Features::ROUGH_GLASS } else { Features::NONE };
     let shading = shading_features(material, &scene.shading);
-    lobes.union(rough).union(shading).union(if material.has_alpha() {
-        alpha_features(material)
-    } else {
-        Features::NONE
-    })
+    let alpha = if material.has_alpha() { alpha_features(material) } else { Features::NONE };
+    let partial = if material.has_partial_transmission() { Features::PARTIAL_TRANSMISSION } else { Features::NONE };
+    lobes.union(rough).union(shading).union(alpha).union(partial)
 }
 
 /// The features that the vertex attributes and textures of a material need.
@@ -289,7 +287,7 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
     let mut low = [f32::INFINITY; 3];
     let mut high = [f32::NEG_INFINITY; 3];
     for (triangle, primitive) in scene.triangles.iter().zip(scene.primitives) {
-        if !scene.materials.get(primitive.material as usize).is_some_and(|material| reflects(material, scene)) {
+        if !scene.materials_of(primitive).any(|material| reflects(material, scene)) {
             continue;
         }
         for p in triangle.iter().filter_map(|&vertex| scene.positions.get(vertex as usize)) {

@@ -56,6 +56,7 @@ impl SceneView<'_> {
             diffuse_transmissions,
             clearcoat_normals,
             sheens,
+            partial_transmissions,
             uses,
             textures,
         } = shading;
@@ -82,6 +83,9 @@ impl SceneView<'_> {
         }
         if !sheens.is_empty() {
             digest.table(sheens);
+        }
+        if !partial_transmissions.is_empty() {
+            digest.table(partial_transmissions);
         }
         digest.table(uses);
         digest.table(&[textures.len() as u64]);

@@ -11,7 +11,7 @@ use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
 use crate::scene::texture::{
-    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, SheenLayer, TextureUse,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, PartialTransmission, SheenLayer, TextureUse,
 };
 use crate::shading::light_tree::LightNode;
 
@@ -186,6 +186,7 @@ elements!(
     Anisotropy = 16,
     DiffuseTransmission = 32,
     SheenLayer = 32,
+    PartialTransmission = 16,
     ClearcoatNormal = 16,
     LightNode = 32,
 );

@@ -75,7 +75,8 @@ pub struct Material {
     /// Emitted radiance, linear RGB, in units of total power per steradian and squared normalised
     /// length; from the front only unless [`Material::EMITS_BOTH_SIDES`].
     pub emission: [f32; 3],
-    /// Bits: [`Material::EMITS_BOTH_SIDES`], [`Material::ALPHA`].
+    /// Bits: [`Material::EMITS_BOTH_SIDES`], [`Material::ALPHA`], [`Material::DIFFUSE_TRANSMISSION`],
+    /// [`Material::PARTIAL_TRANSMISSION`].
     pub flags: u32,
     /// Dielectric: index of the solid's medium in the scene's table, ≥ 1. Otherwise 0.
     pub medium: u32,
@@ -107,6 +108,9 @@ impl Material {
     pub const ALPHA: u32 = 1 << 1;
     /// Flag of glossy materials: [`crate::ShadingTables::diffuse_transmissions`] has an entry for it whose factor is above 0.
     pub const DIFFUSE_TRANSMISSION: u32 = 1 << 2;
+    /// Flag of Lambertian and glossy materials: the surface is glass for the share of
+    /// [`crate::ShadingTables::partial_transmissions`], whose entry names the material of the glass. That emits the same.
+    pub const PARTIAL_TRANSMISSION: u32 = 1 << 3;
 
     /// The type of scattering. [`crate::SceneView::validate`] refuses unknown numbers; here they count as
     /// Lambert.
@@ -188,6 +192,13 @@ impl Material {
     #[must_use]
     pub const fn has_alpha(&self) -> bool {
         self.flags & Self::ALPHA != 0
+    }
+
+    /// Whether a share of the surface may be glass: [`Material::PARTIAL_TRANSMISSION`].
+    #[inline]
+    #[must_use]
+    pub const fn has_partial_transmission(&self) -> bool {
+        self.flags & Self::PARTIAL_TRANSMISSION != 0
     }
 
     /// Whether it emits light.

@@ -77,7 +77,8 @@ impl Default for SceneView<'_> {
 }
 
 impl<'a> SceneView<'a> {
-    /// The materials that are used by a triangle, in order. Indices out of range are skipped.
+    /// The materials that are used by a triangle, in order, with the glass of those that are partly glass. Indices out of
+    /// range are skipped.
     pub(crate) fn materials_in_use(&self) -> impl Iterator<Item = &'a Material> + use<'a> {
         let mut used = vec![false; self.materials.len()];
         for primitive in self.primitives {
@@ -85,7 +86,29 @@ impl<'a> SceneView<'a> {
                 *used = true;
             }
         }
+        for index in 0..self.materials.len() {
+            if used[index]
+                && let Some(glass) = self.glass_of(&self.materials[index])
+                && let Some(used) = used.get_mut(glass as usize)
+            {
+                *used = true;
+            }
+        }
         self.materials.iter().zip(used).filter_map(|(material, used)| used.then_some(material))
+    }
+
+    /// Index of the glass that a share of `material` is, if it has [`Material::PARTIAL_TRANSMISSION`].
+    fn glass_of(&self, material: &Material) -> Option<u32> {
+        let index = (material.textures as usize).checked_sub(1).filter(|_| material.has_partial_transmission())?;
+        self.shading.partial_transmissions.get(index).map(|entry| entry.glass)
+    }
+
+    /// The materials that paths may meet at a triangle: that of its primitive, and the glass that a share of it is.
+    /// Indices out of range are skipped.
+    pub(crate) fn materials_of(&self, primitive: &Primitive) -> impl Iterator<Item = &'a Material> + use<'a> {
+        let material = self.materials.get(primitive.material as usize);
+        let glass = material.and_then(|material| self.glass_of(material));
+        material.into_iter().chain(glass.and_then(|glass| self.materials.get(glass as usize)))
     }
 }
 

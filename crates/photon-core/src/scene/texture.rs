@@ -197,6 +197,26 @@ impl DiffuseTransmission {
     };
 }
 
+/// The share of a surface that is glass: [`crate::partial_transmission`].
+// Exhaustive: a record of buffers, whose layout is part of the interface.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct PartialTransmission {
+    /// Factor on the share of what is not metal, in `[0, 1]`.
+    pub factor: f32,
+    /// Its red multiplies [`Self::factor`]. Index into [`ShadingTables::uses`]; [`MaterialTextures::NONE`] without one.
+    pub factor_texture: u32,
+    /// Index of the material of the glass: [`crate::MaterialKind::Thin`] or [`crate::MaterialKind::Dielectric`].
+    pub glass: u32,
+    /// 0.
+    pub reserved: u32,
+}
+
+impl PartialTransmission {
+    /// No glass.
+    pub const NONE: Self = Self { factor: 0.0, factor_texture: MaterialTextures::NONE, glass: 0, reserved: 0 };
+}
+
 /// Sheen of a glossy material: [`crate::sheen`].
 // Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
@@ -306,6 +326,8 @@ pub struct ShadingTables<'a> {
     pub clearcoat_normals: &'a [ClearcoatNormal],
     /// As [`Self::material_textures`]; empty if no material has a sheen.
     pub sheens: &'a [SheenLayer],
+    /// As [`Self::material_textures`]; empty if no material has [`crate::Material::PARTIAL_TRANSMISSION`].
+    pub partial_transmissions: &'a [PartialTransmission],
     /// Indexed by the members of [`MaterialTextures`].
     pub uses: &'a [TextureUse],
     /// Indexed by [`TextureUse::texture_index`].
@@ -334,6 +356,8 @@ pub struct OwnedShadingTables {
     pub clearcoat_normals: Vec<ClearcoatNormal>,
     /// [`ShadingTables::sheens`].
     pub sheens: Vec<SheenLayer>,
+    /// [`ShadingTables::partial_transmissions`].
+    pub partial_transmissions: Vec<PartialTransmission>,
     /// [`ShadingTables::uses`].
     pub uses: Vec<TextureUse>,
     /// [`ShadingTables::textures`].
@@ -355,6 +379,7 @@ impl OwnedShadingTables {
             diffuse_transmissions: &self.diffuse_transmissions,
             clearcoat_normals: &self.clearcoat_normals,
             sheens: &self.sheens,
+            partial_transmissions: &self.partial_transmissions,
             uses: &self.uses,
             textures: &self.textures,
         }
@@ -374,6 +399,7 @@ impl From<&ShadingTables<'_>> for OwnedShadingTables {
             diffuse_transmissions: tables.diffuse_transmissions.to_vec(),
             clearcoat_normals: tables.clearcoat_normals.to_vec(),
             sheens: tables.sheens.to_vec(),
+            partial_transmissions: tables.partial_transmissions.to_vec(),
             uses: tables.uses.to_vec(),
             textures: tables.textures.to_vec(),
         }

@@ -19,6 +19,7 @@ pub mod light_tree;
 pub mod math;
 pub mod octahedral;
 pub mod offset;
+pub mod partial_transmission;
 pub mod photon_sample;
 pub mod random;
 pub(crate) mod reflection_lobe;

@@ -10,6 +10,7 @@ use crate::shading::alpha;
 use crate::shading::interaction::SurfaceInteraction;
 use crate::shading::layers::Layers;
 use crate::shading::octahedral;
+use crate::shading::partial_transmission;
 use crate::shading::shading_normal::bend;
 use crate::shading::texture::{ByteValues, lookup, transform};
 
@@ -42,7 +43,7 @@ impl Shading<'_> {
     #[inline]
     #[must_use]
     pub fn shade(&self, surface: &SurfaceInteraction, hit: &Hit, material: &Material) -> Shaded {
-        let corners = Corners { triangle: hit.primitive as usize, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] };
+        let corners = Corners::of(hit);
         let mut shaded = *material;
         let mut layers = Layers::NONE;
         if let Some(colors) = self.tables.colors.get(corners.triangle) {
@@ -61,6 +62,10 @@ impl Shading<'_> {
             if let Some(color) = self.sample(textures.metallic_roughness, &corners) {
                 shaded.roughness *= color.y;
                 shaded.metallic *= color.z;
+            }
+            if material.has_partial_transmission() {
+                let share = self.glass_share_at(&corners, material);
+                shaded.metallic = partial_transmission::opaque_metallic(shaded.metallic, share);
             }
             if let Some([.., alpha]) = self.texel(textures.specular, &corners) {
                 shaded.specular *= alpha;
@@ -241,6 +246,13 @@ impl Shading<'_> {
 pub(super) struct Corners {
     pub(super) triangle: usize,
     pub(super) weights: [f32; 3],
+}
+
+impl Corners {
+    #[inline]
+    pub(super) fn of(hit: &Hit) -> Self {
+        Self { triangle: hit.primitive as usize, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] }
+    }
 }
 
 /// The sum of the values at three vertices, weighted.

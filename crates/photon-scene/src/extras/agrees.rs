@@ -74,6 +74,11 @@ impl Agrees for MaterialDesc {
             && close(self.anisotropy, exact.anisotropy)
             && close(self.anisotropy_rotation, exact.anisotropy_rotation)
             && close(self.diffuse_transmission, exact.diffuse_transmission)
+            && close(self.transmission, exact.transmission)
+            && match (self.transmission_absorption, exact.transmission_absorption) {
+                (Some(found), Some(exact)) => all_close(found, exact),
+                (found, exact) => found == exact,
+            }
             && all_close(self.diffuse_transmission_color, exact.diffuse_transmission_color)
             && all_close(self.sheen_color, exact.sheen_color)
             && close(self.sheen_roughness, exact.sheen_roughness);

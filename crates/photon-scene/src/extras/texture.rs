@@ -40,6 +40,8 @@ pub(crate) struct TexturesExtras {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     diffuse_transmission_color: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    transmission: Option<Transform>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     sheen_color: Option<Transform>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sheen_roughness: Option<Transform>,
@@ -65,6 +67,7 @@ impl TexturesExtras {
         let anisotropy = of(textures.anisotropy);
         let diffuse_transmission = of(textures.diffuse_transmission);
         let diffuse_transmission_color = of(textures.diffuse_transmission_color);
+        let transmission = of(textures.transmission);
         let (sheen_color, sheen_roughness) = (of(textures.sheen_color), of(textures.sheen_roughness));
         let normal_scale = Exact(textures.normal_scale);
         let all = [
@@ -80,6 +83,7 @@ impl TexturesExtras {
             &anisotropy,
             &diffuse_transmission,
             &diffuse_transmission_color,
+            &transmission,
             &sheen_color,
             &sheen_roughness,
         ];
@@ -98,6 +102,7 @@ impl TexturesExtras {
             anisotropy,
             diffuse_transmission,
             diffuse_transmission_color,
+            transmission,
             sheen_color,
             sheen_roughness,
             normal_scale,
@@ -134,6 +139,7 @@ impl TexturesExtras {
             anisotropy: of(textures.anisotropy, &self.anisotropy)?,
             diffuse_transmission: of(textures.diffuse_transmission, &self.diffuse_transmission)?,
             diffuse_transmission_color: of(textures.diffuse_transmission_color, &self.diffuse_transmission_color)?,
+            transmission: of(textures.transmission, &self.transmission)?,
             sheen_color: of(textures.sheen_color, &self.sheen_color)?,
             sheen_roughness: of(textures.sheen_roughness, &self.sheen_roughness)?,
             normal_scale: self.normal_scale.0,

@@ -8,7 +8,7 @@
 //! | metallic, roughness, `specular`, `ior` | glossy surface; a mirror if it is all metal and smooth, diffuse without specular reflection |
 //! | `pbrSpecularGlossiness` | glossy: a metal of its specular colour, or a coat over its diffuse colour |
 //! | skins, morph targets | in the default pose: joints as their nodes are, default weights of the targets |
-//! | `transmission` ≥ 0.5 | thin sheet; solid dielectric where `volume` gives a thickness; rough by the roughness |
+//! | `transmission` | share of glass, by texel: a thin sheet, or a solid dielectric where `volume` gives a thickness; rough by the roughness |
 //! | `ior` | refractive index; default 1.5 |
 //! | `volume` | absorption `−ln(colour) / distance`, per length of the scene |
 //! | `emissiveFactor` × `emissive_strength` | radiance, W/(m²·sr); from both sides if `doubleSided` |

@@ -218,6 +218,13 @@ impl Overrides {
             (desc.diffuse_transmission, desc.diffuse_transmission_color) = (0.0, [1.0; 3]);
             (desc.textures.diffuse_transmission, desc.textures.diffuse_transmission_color) = (None, None);
         }
+        if with.transmission.is_some() || kind != before {
+            (desc.transmission, desc.textures.transmission) = (0.0, None);
+        }
+        if kind != before {
+            desc.transmission_absorption = None;
+        }
+        let mut new_share = with.transmission;
         if with.anisotropy.is_some() || with.anisotropy_degrees.is_some() || kind != before {
             desc.textures.anisotropy = None;
         }
@@ -251,6 +258,12 @@ impl Overrides {
                 *roughness = new_roughness.take().unwrap_or(*roughness);
                 *specular = new_specular.take().unwrap_or(*specular);
                 *ior = new_ior.take().unwrap_or(*ior);
+                desc.transmission = new_share.take().unwrap_or(desc.transmission);
+                if desc.transmission > 0.0 {
+                    let inside = new_absorption.take().map(|given| given.rgb());
+                    desc.transmission_absorption = inside.or(desc.transmission_absorption);
+                    desc.priority = new_priority.take().unwrap_or(desc.priority);
+                }
                 desc.anisotropy = new_anisotropy.take().unwrap_or(desc.anisotropy);
                 desc.anisotropy_rotation = new_rotation.take().map_or(desc.anisotropy_rotation, f64::to_radians);
             }
@@ -271,6 +284,7 @@ impl Overrides {
             ("anisotropy_degrees", new_rotation.is_some()),
             ("diffuse_transmission", new_transmission.is_some()),
             ("diffuse_transmission_color", new_transmission_color.is_some()),
+            ("transmission", new_share.is_some()),
             ("sheen", new_sheen.is_some()),
             ("sheen_roughness", new_sheen_roughness.is_some()),
         ];
@@ -279,8 +293,8 @@ impl Overrides {
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
             let hint = "lambert and mirror have albedo, glass has ior, tint, roughness, absorption and \
                         priority, thin has ior, tint and roughness, \
-                        glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy and \
-                        anisotropy_degrees, \
+                        glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy, \
+                        anisotropy_degrees and transmission, and with that absorption and priority, \
                         all but glass and thin have clearcoat, clearcoat_roughness, sheen and sheen_roughness, \
                         lambert and glossy diffuse_transmission and diffuse_transmission_color; \
                         give another kind, or leave it out";

@@ -40,6 +40,7 @@ pub(super) struct Material {
     pub(super) anisotropy_degrees: Option<f64>,
     pub(super) diffuse_transmission: Option<f64>,
     pub(super) diffuse_transmission_color: Option<Colour>,
+    pub(super) transmission: Option<f64>,
     pub(super) sheen: Option<Colour>,
     pub(super) sheen_roughness: Option<f64>,
     /// Share of the light that meets the surface; the rest passes. 1 is opaque.

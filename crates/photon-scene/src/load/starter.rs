@@ -98,6 +98,13 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
         list.push(("clearcoat", number(desc.clearcoat), textures.clearcoat.is_some()));
         list.push(("clearcoat_roughness", number(desc.clearcoat_roughness), replaces));
     }
+    if desc.transmission != 0.0 {
+        list.push(("transmission", number(desc.transmission), textures.transmission.is_some()));
+        if let Some(absorption) = desc.transmission_absorption {
+            list.push(("absorption", color(absorption), false));
+            list.push(("priority", desc.priority.to_string(), false));
+        }
+    }
     if desc.sheen_color != [0.0; 3] {
         list.push(("sheen", color(desc.sheen_color), textures.sheen_color.is_some()));
         list.push(("sheen_roughness", number(desc.sheen_roughness), textures.sheen_roughness.is_some()));
@@ -216,7 +223,9 @@ mod tests {
             .with_sheen([0.25, 0.5, 1.0], 0.7)
             .with_specular_color([1.0, 0.5, 0.25])
             .with_anisotropy(0.5, 30.0_f64.to_radians())
-            .with_diffuse_transmission(0.25, [0.5, 1.0, 0.5]);
+            .with_diffuse_transmission(0.25, [0.5, 1.0, 0.5])
+            .with_transmission(0.75, Some([0.0, 0.5, 2.0]))
+            .with_priority(3);
         other.material(glossy);
         other.material(MaterialDesc::lambert("veil", [1e-7, 0.0, 1.0]).with_alpha(AlphaMode::Blend, 0.5));
         other.material(MaterialDesc::thin("", 1.3));

@@ -33,13 +33,21 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             if ior != 1.5 {
                 extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
             }
+            if desc.transmission > 0.0 {
+                let factor = single(desc.transmission, what)?;
+                extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": factor });
+            }
         }
         Surface::Dielectric { ior, .. } | Surface::Thin { ior, .. } => {
             extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
             extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
         }
     }
-    if let Surface::Dielectric { absorption, .. } = desc.surface {
+    let inside = match desc.surface {
+        Surface::Dielectric { absorption, .. } => Some(absorption),
+        _ => desc.transmission_absorption.filter(|_| desc.transmission > 0.0),
+    };
+    if let Some(absorption) = inside {
         let mut volume = json!({ "thicknessFactor": 1.0 });
         // Distance at which the strongest channel falls to 1/e; an absorption that underflows f32 is invisible.
         let (greatest, relative) = scaled(absorption);
@@ -79,8 +87,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": single(strength, what)? });
     }
     // Other programs cull the back of surfaces that are not double-sided; here every surface has two sides.
-    let both =
-        if desc.is_emissive() { desc.emits_both_sides } else { !matches!(desc.surface, Surface::Dielectric { .. }) };
+    let both = if desc.is_emissive() { desc.emits_both_sides } else { !desc.is_solid() };
     let mut material = json!({
         "name": desc.name,
         "pbrMetallicRoughness": {
@@ -115,6 +122,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             "diffuse_transmission_color" => {
                 extensions["KHR_materials_diffuse_transmission"]["diffuseTransmissionColorTexture"] = info.clone();
             }
+            "transmission" => extensions["KHR_materials_transmission"]["transmissionTexture"] = info.clone(),
             "sheen_color" => extensions["KHR_materials_sheen"]["sheenColorTexture"] = info.clone(),
             "sheen_roughness" => extensions["KHR_materials_sheen"]["sheenRoughnessTexture"] = info.clone(),
             "specular_color" => {

@@ -59,7 +59,13 @@ impl File {
         let is_linear = desc.image.format == TexelFormat::Linear8;
         let is_data = matches!(
             slot,
-            "normal" | "metallic_roughness" | "clearcoat" | "clearcoat_roughness" | "clearcoat_normal" | "anisotropy"
+            "normal"
+                | "metallic_roughness"
+                | "clearcoat"
+                | "clearcoat_roughness"
+                | "clearcoat_normal"
+                | "anisotropy"
+                | "transmission"
         );
         if is_data && desc.image.format == TexelFormat::Srgb8 {
             let why = format!("a {} texture in sRGB", slot.replace('_', "-"));

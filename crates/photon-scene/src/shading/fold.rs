@@ -10,6 +10,7 @@ use super::diffuse_transmission::fold_diffuse_transmission;
 use super::sheen::fold_sheen;
 use super::specular_color::fold_specular_color;
 use super::texel::Decoder;
+use super::transmission::fold_transmission;
 use crate::describe::{MaterialDesc, Surface};
 use crate::texture::{TextureDesc, TextureRef};
 
@@ -38,6 +39,8 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
             }
         }
         fold_roughness(&mut material.surface, &mut textures.metallic_roughness, color_of);
+        fold_transmission(material, color_of);
+        let textures = &mut material.textures;
         let alpha_of = |used: TextureRef| uniform_alpha(&all[used.texture.0 as usize].image);
         let has_gloss = textures.metallic_roughness.is_some();
         fold_specular(&mut material.surface, &mut textures.specular, has_gloss, alpha_of);
@@ -47,7 +50,10 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
         }
         fold_anisotropy(material, color_of);
         let is_varied = material.textures.metallic_roughness.is_some() || material.anisotropy > 0.0;
-        material.surface = simplest(material.surface.clone(), is_varied);
+        // Glass has the refractive index and roughness of a glossy surface.
+        if material.transmission == 0.0 {
+            material.surface = simplest(material.surface.clone(), is_varied);
+        }
         remove_anisotropy(material);
         let textures = &mut material.textures;
         if roughness_of(&mut material.surface).is_none() {

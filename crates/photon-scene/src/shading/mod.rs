@@ -13,6 +13,7 @@ mod sheen;
 mod specular_color;
 mod tangents;
 mod texel;
+mod transmission;
 mod uvs;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,8 +30,9 @@ pub(crate) use self::alpha::fold_alpha;
 #[cfg(feature = "files")]
 pub(crate) use self::alpha::uniform_alpha;
 pub(crate) use self::fold::fold;
+pub(crate) use self::fold::simplest;
 #[cfg(feature = "files")]
-pub(crate) use self::fold::{simplest, uniform};
+pub(crate) use self::fold::uniform;
 #[cfg(feature = "files")]
 pub(crate) use self::normals::unit;
 pub(crate) use self::radiance::Radiances;
@@ -66,6 +68,7 @@ fn has_record(desc: &MaterialDesc) -> bool {
         || desc.clearcoat > 0.0
         || desc.anisotropy > 0.0
         || desc.diffuse_transmission > 0.0
+        || desc.transmission > 0.0
         || desc.sheen_color != [0.0; 3]
 }
 
@@ -99,6 +102,8 @@ fn add_materials(
     let sets: BTreeSet<u32> = used().flat_map(|desc| desc.textures.all()).map(|(_, used)| used.uv_set).collect();
     let sets: BTreeMap<u32, u32> = sets.into_iter().zip(0..).collect();
     let mut indices: BTreeMap<TextureId, u32> = BTreeMap::new();
+    // Their glass is after all materials, in the same order.
+    let mut glass = source.materials.len();
     for &index in in_use {
         let desc = &source.materials[index as usize];
         let textures = &desc.textures;
@@ -122,6 +127,8 @@ fn add_materials(
         tables.diffuse_transmissions.push(diffuse_transmission::record(desc, color, share));
         let coat = add(textures.clearcoat_normal);
         tables.clearcoat_normals.push(clearcoat::record(desc, coat));
+        let share = add(textures.transmission);
+        tables.partial_transmissions.push(transmission::record(desc, share, glass as u32));
         let (color, roughness) = (add(textures.sheen_color), add(textures.sheen_roughness));
         tables.sheens.push(sheen::record(desc, color, roughness));
         let textures = MaterialTextures {
@@ -142,9 +149,16 @@ fn add_materials(
         };
         tables.material_textures.push(textures);
         materials[index as usize].textures = tables.material_textures.len() as u32;
+        if desc.transmission > 0.0 {
+            materials[glass].textures = tables.material_textures.len() as u32;
+            glass += 1;
+        }
     }
     if tables.diffuse_transmissions.iter().all(|entry| entry.factor == 0.0) {
         tables.diffuse_transmissions = Vec::new();
+    }
+    if tables.partial_transmissions.iter().all(|entry| entry.factor == 0.0) {
+        tables.partial_transmissions = Vec::new();
     }
     if tables.clearcoat_normals.iter().all(|entry| entry.is_own == 0) {
         tables.clearcoat_normals = Vec::new();

@@ -6,6 +6,7 @@ use crate::texture::TextureRef;
 /// Multiplies the specular colour by a texture of one colour, and replaces a grey one by a refractive index. Surfaces without
 /// a coat have none.
 pub(super) fn fold_specular_color(material: &mut MaterialDesc, color_of: impl Fn(TextureRef) -> Option<[f64; 3]>) {
+    let transmits = material.transmission > 0.0;
     let MaterialDesc { surface, specular_color: color, textures, .. } = material;
     let may_have_coat = |metallic: f64| metallic < 1.0 || textures.metallic_roughness.is_some();
     let coat = match surface {
@@ -23,8 +24,8 @@ pub(super) fn fold_specular_color(material: &mut MaterialDesc, color_of: impl Fn
         textures.specular_color = None;
     }
     let [red, green, blue] = *color;
-    // A coat of index 1 would be none, but a black one still reflects at grazing angles.
-    if textures.specular_color.is_none() && red == green && green == blue && red > 0.0 && red != 1.0 {
+    // A coat of index 1 would be none, but a black one still reflects at grazing angles. Glass has an index of its own.
+    if !transmits && textures.specular_color.is_none() && red == green && green == blue && red > 0.0 && red != 1.0 {
         *ior = index_of((reflectance_of(*ior) * red).min(1.0));
         *color = [1.0; 3];
     }

@@ -198,6 +198,12 @@ fn glossy_surfaces_become_diffuse() {
     assert_eq!((paper.kind, paper.specular, paper.textures), (MaterialKind::Glossy as u32, 0.0, 1));
     assert!(paper.flags & photon_core::Material::DIFFUSE_TRANSMISSION != 0);
     assert_eq!(paint("[materials.paint]\nkind = \"lambert\"\ndiffuse_transmission = 0\n"), diffuse);
+    let mixed = paint("[materials.paint]\ntransmission = 0.5\n");
+    assert!(mixed.has_partial_transmission() && mixed.textures == 1, "{mixed:?}");
+    assert_eq!(paint("[materials.paint]\ntransmission = 1\n").kind, MaterialKind::Thin as u32);
+    let solid = paint("[materials.paint]\ntransmission = 1\nabsorption = 0.5\npriority = 2\n");
+    assert_eq!((solid.kind, solid.medium), (MaterialKind::Dielectric as u32, 1));
+    assert_eq!(paint("[materials.paint]\ntransmission = 0\n"), paint(""));
     let cloth = paint("[materials.paint]\nkind = \"lambert\"\nsheen = [1, 0.5, 0]\nsheen_roughness = 0.3\n");
     assert_eq!((cloth.kind, cloth.specular, cloth.textures), (MaterialKind::Glossy as u32, 0.0, 1));
     assert_eq!(paint("[materials.paint]\nkind = \"lambert\"\nsheen = 0\n"), diffuse);
@@ -263,6 +269,10 @@ fn override_faults() {
     names(&fault("[materials.pane]\nkind = \"thin\"\nanisotropy = 1\n"), &["'pane'", "thin", "no anisotropy"]);
     names(&fault("[materials.wall]\nkind = \"glossy\"\nanisotropy = 2\n"), &["'wall'", "between 0 and 1"]);
     names(&fault("[materials.wall]\nkind = \"glossy\"\nanisotropy_degrees = inf\n"), &["'wall'", "finite"]);
+    names(&fault("[materials.wall]\ntransmission = 0.5\n"), &["'wall'", "lambert", "no transmission"]);
+    names(&fault("[materials.wall]\nkind = \"glossy\"\nabsorption = 1\n"), &["'wall'", "no absorption"]);
+    let share = "[materials.wall]\nkind = \"glossy\"\ntransmission = 1.5\n";
+    names(&fault(share), &["'wall'", "transmission", "between 0 and 1"]);
     names(&fault("[materials.pane]\nkind = \"thin\"\nsheen = 1\n"), &["'pane'", "thin", "no sheen"]);
     names(&fault("[materials.wall]\nsheen = 1.5\n"), &["'wall'", "sheen_color", "between 0 and 1"]);
     let mirror = "[materials.wall]\nkind = \"mirror\"\ndiffuse_transmission = 1\n";

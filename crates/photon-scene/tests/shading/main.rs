@@ -7,6 +7,7 @@ mod diffuse_transmission;
 mod emission;
 mod invalid;
 mod textures;
+mod transmission;
 
 use photon_scene::{MaterialDesc, MaterialId, Scene, SceneBuilder, VertexAttributes};
 

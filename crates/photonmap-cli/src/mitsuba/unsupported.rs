@@ -48,7 +48,9 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
                 "write a .glb, which has it, or remove it (sheen = 0 in an override file)",
             );
         }
+        let share = view.shading.partial_transmissions.get(material.textures as usize - 1);
         let uses = [
+            ("transmission", share.map_or(MaterialTextures::NONE, |share| share.factor_texture)),
             ("base colour", textures.base_color),
             ("emission", textures.emission),
             ("normal", textures.normal),

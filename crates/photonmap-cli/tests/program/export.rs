@@ -37,6 +37,13 @@ albedo = [0.4, 0.2, 0.1]
 roughness = 0.123456789012345
 specular = 0.777777777777777
 ior = 1.456789012345678
+[materials.film]
+new = true
+kind = "glossy"
+albedo = [0.4, 0.2, 0.1]
+roughness = 0.423456789012345
+transmission = 0.333333333333333
+ior = 1.456789012345678
 [materials.glow]
 new = true
 emission = 1.7
@@ -61,6 +68,10 @@ material = "varnish"
 corner = [0.4, 0.1, 0.1]
 edges = [[0.1, 0, 0], [0, 0.2, 0.1]]
 material = "glow"
+[[quads]]
+corner = [-0.2, 0.4, 0.5]
+edges = [[0.4, 0, 0], [0, 0.3, 0.1]]
+material = "film"
 [[lights]]
 type = "point"
 position = [0.1, 0.7, 0.2]
@@ -174,6 +185,27 @@ fn absorption_is_written_for_mitsuba() {
         assert!(*found <= 1.0 && (found * scale - expected).abs() < 1e-5, "{sigma:?} times {scale}");
     }
     assert_eq!(sigma.len(), 3);
+}
+
+/// A share of glass is the weight of the second of two surfaces.
+#[test]
+fn surfaces_that_are_partly_glass_are_written_for_mitsuba() {
+    let folder = folder("export-partly-glass");
+    let (file, overrides) = (folder.join("mixed.xml"), folder.join("mixed.toml"));
+    let text = "[materials.blocks]\nkind = \"glossy\"\nspecular = 0\nroughness = 0\ntransmission = 0.25\nabsorption = 2\n\
+                [materials.white]\nkind = \"glossy\"\nspecular = 0\nroughness = 0\ntransmission = 0.5\n";
+    std::fs::write(&overrides, text).unwrap();
+    let arguments = ["cornell", "--overrides", overrides.to_str().unwrap(), "-o", file.to_str().unwrap()];
+    succeeded(&run("export", &arguments));
+    let text = std::fs::read_to_string(&file).unwrap();
+    for (weight, glass) in [("0.25", "dielectric"), ("0.5", "thindielectric")] {
+        let found = text.split(&format!("<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"{weight}\"/>")).nth(1);
+        let shape = found.and_then(|rest| rest.split("</shape>").next()).expect(&text);
+        let (first, second) = shape.split_once("</bsdf></bsdf>").expect(shape);
+        assert!(first.starts_with("<bsdf type=\"twosided\"><bsdf type=\"diffuse\">"), "{first}");
+        assert!(second.starts_with(&format!("<bsdf type=\"{glass}\">")), "{second}");
+        assert_eq!(second.contains("<medium name=\"interior\""), glass == "dielectric", "{second}");
+    }
 }
 
 /// Rough metals have the width of their distribution, and a warning where multiple scattering matters.

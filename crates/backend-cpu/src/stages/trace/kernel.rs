@@ -5,28 +5,28 @@ use photon_core::Features;
 use super::{Follow, follow};
 
 /// Flag beside the bits of the lobes: paths are aimed.
-pub(super) const AIMED: u32 = 1 << 31;
+pub(super) const AIMED: u64 = 1 << 32;
 /// Flag beside the bits of the lobes: solids are nested or overlap.
-pub(super) const NESTED: u32 = 1 << 30;
+pub(super) const NESTED: u64 = 1 << 33;
 
 /// Flag beside the bits of the lobes: only photons for the reflection of glossy surfaces are stored.
-pub(super) const REFLECTED: u32 = 1 << 29;
+pub(super) const REFLECTED: u64 = 1 << 34;
 /// The kernel for them, with all lobes.
-pub(super) const REFLECTIONS: u32 = Features::ALL.bits() | AIMED | NESTED | REFLECTED;
+pub(super) const REFLECTIONS: u64 = Features::ALL.bits() as u64 | AIMED | NESTED | REFLECTED;
 /// Flag beside the bits of the lobes: paths pause before each ray ([`Paused`]).
-pub(super) const BATCHED: u32 = 1 << 28;
+pub(super) const BATCHED: u64 = 1 << 35;
 /// All lobes of reflection and transmission, without textures, shading normals and all that needs them.
-const ALL: u32 = Features::DIFFUSE
+const ALL: u64 = Features::DIFFUSE
     .union(Features::MIRROR)
     .union(Features::DIELECTRIC)
     .union(Features::THIN)
     .union(Features::ABSORPTION)
-    .bits();
+    .bits() as u64;
 /// The kernel for surfaces with textures or shading normals, with all lobes.
-pub(super) const SHADED: u32 = ALL | NESTED | Features::SHADED.bits();
+pub(super) const SHADED: u64 = ALL | NESTED | Features::SHADED.bits() as u64;
 
-/// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those with
-/// alpha have one kernel each with all lobes.
+/// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those of
+/// which random words decide have one kernel each with all lobes.
 pub(super) fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     const D: Features = Features::DIFFUSE;
     const M: Features = D.union(Features::MIRROR);
@@ -35,9 +35,9 @@ pub(super) fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     let mirrors = features.intersects(Features::MIRROR);
     let absorbs = features.intersects(Features::ABSORPTION);
     let lobes = (features.intersects(GLASS), absorbs, mirrors);
-    if features.contains(Features::ALPHA) {
-        const ALPHA: u32 = SHADED | Features::ALPHA.bits();
-        return if aimed { follow::<{ ALPHA | AIMED }> } else { follow::<ALPHA> };
+    if features.intersects(Features::RANDOM_SURFACES) {
+        const RANDOM: u64 = SHADED | Features::RANDOM_SURFACES.bits() as u64;
+        return if aimed { follow::<{ RANDOM | AIMED }> } else { follow::<RANDOM> };
     }
     if features.intersects(Features::SHADED) {
         return if aimed { follow::<{ SHADED | AIMED }> } else { follow::<SHADED> };
@@ -47,17 +47,17 @@ pub(super) fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     }
     if aimed {
         return match lobes {
-            (false, ..) => follow::<{ M.bits() | AIMED }>,
-            (true, false, _) => follow::<{ M.union(GLASS).bits() | AIMED }>,
+            (false, ..) => follow::<{ M.bits() as u64 | AIMED }>,
+            (true, false, _) => follow::<{ M.union(GLASS).bits() as u64 | AIMED }>,
             (true, true, _) => follow::<{ ALL | AIMED }>,
         };
     }
     match lobes {
-        (false, _, false) => follow::<{ D.bits() }>,
-        (false, _, true) => follow::<{ M.bits() }>,
-        (true, false, false) => follow::<{ D.union(GLASS).bits() }>,
-        (true, false, true) => follow::<{ M.union(GLASS).bits() }>,
-        (true, true, false) => follow::<{ D.union(ABSORBING).bits() }>,
+        (false, _, false) => follow::<{ D.bits() as u64 }>,
+        (false, _, true) => follow::<{ M.bits() as u64 }>,
+        (true, false, false) => follow::<{ D.union(GLASS).bits() as u64 }>,
+        (true, false, true) => follow::<{ M.union(GLASS).bits() as u64 }>,
+        (true, true, false) => follow::<{ D.union(ABSORBING).bits() as u64 }>,
         (true, true, true) => follow::<{ ALL }>,
     }
 }

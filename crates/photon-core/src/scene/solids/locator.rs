@@ -104,7 +104,7 @@ impl<'a> Locator<'a> {
                 let middle = ((corners[0] + corners[1] + corners[2]) / 3.0).as_vec3();
                 let normal = Vec3::from(primitive.normal);
                 let is_boundary =
-                    self.solids.scene.materials[primitive.material as usize].kind() == MaterialKind::Dielectric;
+                    self.solids.scene.materials_of(primitive).any(|of| of.kind() == MaterialKind::Dielectric);
                 let own = if is_boundary {
                     self.solids.solids.iter().position(|solid| solid.triangles.contains(&light.primitive))
                 } else {

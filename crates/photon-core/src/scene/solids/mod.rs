@@ -38,10 +38,10 @@ impl<'a> Solids<'a> {
         let boundary: Vec<(u32, u32)> = (0..)
             .zip(scene.primitives)
             .filter_map(|(triangle, primitive)| {
-                let material = scene.materials.get(primitive.material as usize)?;
+                let material = scene.materials_of(primitive).find(|of| of.kind() == MaterialKind::Dielectric)?;
                 let corners = scene.triangles.get(triangle as usize)?;
                 let fits = corners.iter().all(|&vertex| (vertex as usize) < scene.positions.len());
-                (fits && material.kind() == MaterialKind::Dielectric).then_some((triangle, material.medium))
+                fits.then_some((triangle, material.medium))
             })
             .collect();
         if boundary.is_empty() {

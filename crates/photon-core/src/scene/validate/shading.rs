@@ -5,7 +5,8 @@ use crate::error::{Error, Result};
 use crate::scene::SceneView;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::texture::{
-    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, ShadingTables, SheenLayer, Texture, TextureUse,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, MaterialTextures, PartialTransmission, ShadingTables, SheenLayer,
+    Texture, TextureUse,
 };
 
 /// Largest number of texels in a row, and of rows: their indices stay exact in `f32`.
@@ -40,6 +41,7 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
         ("shading.diffuse_transmissions", tables.diffuse_transmissions.len()),
         ("shading.clearcoat_normals", tables.clearcoat_normals.len()),
         ("shading.sheens", tables.sheens.len()),
+        ("shading.partial_transmissions", tables.partial_transmissions.len()),
     ] {
         let entries = tables.material_textures.len();
         if count != 0 && count != entries {
@@ -49,6 +51,9 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
     }
     each("clearcoat_normals entry", tables.clearcoat_normals, |entry| check_clearcoat(entry, tables))?;
     each("sheens entry", tables.sheens, |entry| check_sheen(entry, tables.uses.len()))?;
+    each("partial_transmissions entry", tables.partial_transmissions, |entry| {
+        check_partial(entry, tables.uses.len(), view.materials)
+    })?;
     each("diffuse_transmissions entry", tables.diffuse_transmissions, |entry| {
         check_transmission(entry, tables.uses.len())
     })?;
@@ -56,7 +61,9 @@ pub(super) fn check(view: &SceneView<'_>) -> Result<()> {
         let (textures, count) = (material.textures as usize, tables.material_textures.len());
         require(textures <= count, || format!("its textures {textures} are out of range, {count} entries exist"))?;
         let entry = textures.checked_sub(1).and_then(|index| tables.diffuse_transmissions.get(index));
-        let transmits = entry.is_some_and(|entry| entry.factor > 0.0);
+        check_glass(material, view)?;
+        // The glass of a surface shares the entry of the surface, and does not read it.
+        let transmits = entry.is_some_and(|entry| entry.factor > 0.0) && !material.kind().transmits();
         let is_flagged = material.flags & Material::DIFFUSE_TRANSMISSION != 0;
         require(transmits == is_flagged && (!transmits || material.kind() == MaterialKind::Glossy), || {
             "it must be glossy and have Material::DIFFUSE_TRANSMISSION, or its entry of diffuse_transmissions the factor 0"
@@ -99,6 +106,41 @@ fn check_transmission(of: &DiffuseTransmission, uses: usize) -> Check {
         require(used == MaterialTextures::NONE || (used as usize) < uses, || {
             format!("its texture {used} is out of range, {uses} uses exist")
         })
+    })
+}
+
+fn check_partial(of: &PartialTransmission, uses: usize, materials: &[Material]) -> Check {
+    let (factor, used) = (of.factor, of.factor_texture);
+    require((0.0..=1.0).contains(&factor), || format!("its factor {factor} must lie between 0 and 1"))?;
+    require(used == MaterialTextures::NONE || (used as usize) < uses, || {
+        format!("its texture {used} is out of range, {uses} uses exist")
+    })?;
+    index("material", of.glass, materials.len())
+}
+
+/// Checks the glass of a material that is partly glass.
+fn check_glass(material: &Material, view: &SceneView<'_>) -> Check {
+    if !material.has_partial_transmission() {
+        return Ok(());
+    }
+    require(matches!(material.kind(), MaterialKind::Lambert | MaterialKind::Glossy), || {
+        "it has Material::PARTIAL_TRANSMISSION, but only Lambertian and glossy surfaces can be partly glass".to_owned()
+    })?;
+    let entry = (material.textures as usize).checked_sub(1);
+    let Some(entry) = entry.and_then(|index| view.shading.partial_transmissions.get(index)) else {
+        return Err("it has Material::PARTIAL_TRANSMISSION, and needs an entry of partial_transmissions".to_owned());
+    };
+    let glass = &view.materials[entry.glass as usize];
+    require(glass.kind().transmits() && !glass.has_partial_transmission(), || {
+        format!("its glass, material {}, must be thin or dielectric", entry.glass)
+    })?;
+    require(!(material.has_alpha() && glass.kind() == MaterialKind::Dielectric), || {
+        "it has Material::ALPHA, but its glass is a solid, whose boundary must be closed; use MaterialKind::Thin"
+            .to_owned()
+    })?;
+    let sides = |of: &Material| of.flags & Material::EMITS_BOTH_SIDES;
+    require(glass.emission == material.emission && sides(glass) == sides(material), || {
+        format!("its glass, material {}, must emit the same light", entry.glass)
     })
 }
 

@@ -44,7 +44,9 @@ pub(super) fn describe(
     let mut lines = LoadReport::default();
     let mut parameters = parameters::read(root, index, textures, &subject, builder, &mut lines)?;
     let surface = surface(&mut parameters, &subject, &mut lines);
-    close_solid(&mut parameters, &surface, &subject, &mut lines);
+    let (transmission, absorption) = glass_part(&mut parameters, &surface, &subject, &mut lines);
+    let is_solid = absorption.is_some() || matches!(surface, Surface::Dielectric { .. });
+    close_solid(&mut parameters, is_solid, &subject, &mut lines);
     check_clearcoat(&parameters, &surface, &subject, &mut lines);
     if parameters.anisotropy[0] > 0.0 && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
         lines.left_out(&subject, "its anisotropy, which glass does not have here");
@@ -66,6 +68,8 @@ pub(super) fn describe(
         anisotropy_rotation: parameters.anisotropy[1],
         diffuse_transmission: parameters.diffuse_transmission,
         diffuse_transmission_color: parameters.transmission_color,
+        transmission,
+        transmission_absorption: absorption,
         sheen_color: parameters.sheen_color,
         sheen_roughness: parameters.sheen_roughness,
         textures: parameters.textures,
@@ -95,16 +99,39 @@ fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surfa
         report.approximated(subject, "is unlit; it is rendered as a diffuse surface");
         return Surface::Lambert { albedo: of.base };
     }
-    if of.transmission >= 0.5 && of.mean_metallic < 0.5 {
+    // Means of textures are rarely exactly 0.
+    let is_metal = of.metallic > 0.0 && (of.textures.metallic_roughness.is_none() || of.mean_metallic > SOME_METAL);
+    if of.transmission >= 1.0 && of.textures.transmission.is_none() && !is_metal {
         return glass(of, subject, report);
     }
-    if of.transmission > 0.0 {
-        report.approximated(
-            subject,
-            format!("transmits {:.0} % of the light; it is rendered as opaque", of.transmission * 100.0),
-        );
-    }
     glossy(of, subject, report)
+}
+
+/// Share of glass and its absorption of a surface that is partly glass; takes them out of those that are not.
+fn glass_part(
+    of: &mut Parameters,
+    surface: &Surface,
+    subject: &str,
+    report: &mut LoadReport,
+) -> (f64, Option<[f64; 3]>) {
+    let is_metal = of.metallic >= 1.0 && of.textures.metallic_roughness.is_none();
+    // Of an index of 0, the coat reflects all light.
+    let is_partly = of.transmission > 0.0 && !is_metal && of.ior != 0.0 && !of.is_unlit;
+    if !is_partly || !matches!(surface, Surface::Glossy { .. }) {
+        of.textures.transmission = None;
+        return (0.0, None);
+    }
+    report_specular(of, subject, report);
+    let layers = [
+        (of.clearcoat[0] > 0.0, "clearcoat"),
+        (of.sheen_color != [0.0; 3], "sheen"),
+        (of.anisotropy[0] > 0.0, "anisotropy"),
+    ];
+    for (_, name) in layers.into_iter().filter(|(has, _)| *has) {
+        report.approximated(subject, format!("its {name} is left out for the share that is glass"));
+    }
+    let absorption = volume(of, subject, report);
+    (of.transmission, absorption)
 }
 
 /// The metallic-roughness model itself.
@@ -113,6 +140,7 @@ fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
         report.approximated(subject, format!("its specular factor {:.3} is replaced by 1", of.specular));
     }
     let is_varied = of.textures.metallic_roughness.is_some() || of.anisotropy[0] > 0.0;
+    let is_metal = of.metallic >= 1.0 && !is_varied;
     let surface = Surface::Glossy {
         base_color: of.base,
         metallic: of.metallic,
@@ -120,7 +148,9 @@ fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
         specular: of.specular.min(1.0),
         ior: of.ior,
     };
-    simplest(surface, is_varied)
+    // Glass has the refractive index and roughness of a glossy surface.
+    let is_partly_glass = of.transmission > 0.0 && of.ior != 0.0 && !is_metal;
+    if is_partly_glass { surface } else { simplest(surface, is_varied) }
 }
 
 /// A transmissive material: a solid if it has a volume, otherwise a thin sheet.
@@ -131,21 +161,25 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
         of.textures.base_color = None;
         return Surface::Mirror { reflectance: [1.0; 3] };
     }
-    if of.transmission < 1.0 {
-        let text = format!("transmits {:.0} % of the light; it is rendered as clear", of.transmission * 100.0);
-        report.approximated(subject, text);
+    report_specular(of, subject, report);
+    match volume(of, subject, report) {
+        None => Surface::Thin { ior: of.ior, tint: of.base, roughness: of.roughness },
+        Some(absorption) => Surface::Dielectric { ior: of.ior, absorption, tint: of.base, roughness: of.roughness },
     }
-    if of.mean_metallic > SOME_METAL {
-        let text = format!("is {:.0} % metal; it is rendered as clear", of.mean_metallic * 100.0);
-        report.approximated(subject, text);
-    }
+}
+
+fn report_specular(of: &Parameters, subject: &str, report: &mut LoadReport) {
     if of.specular != 1.0
         || of.specular_color != [1.0; 3]
         || of.textures.specular.is_some()
         || of.textures.specular_color.is_some()
     {
-        report.left_out(subject, "its specular factor; it reflects by its refractive index");
+        report.left_out(subject, "the specular factor of its glass, which reflects by its refractive index");
     }
+}
+
+/// Absorption inside; `None` without a volume.
+fn volume(of: &Parameters, subject: &str, report: &mut LoadReport) -> Option<[f64; 3]> {
     if !of.is_solid {
         if of.attenuation_distance.is_finite() {
             report.left_out(
@@ -153,10 +187,9 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
                 "its attenuation, since without thickness it is a sheet; give it a thicknessFactor above 0",
             );
         }
-        return Surface::Thin { ior: of.ior, tint: of.base, roughness: of.roughness };
+        return None;
     }
-    let absorption = absorption(of, subject, report);
-    Surface::Dielectric { ior: of.ior, absorption, tint: of.base, roughness: of.roughness }
+    Some(absorption(of, subject, report))
 }
 
 /// Beer–Lambert: the transmittance of a distance d is exp(−σ d), so that σ = −ln(colour) / d
@@ -176,8 +209,8 @@ fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 
 }
 
 /// A solid is opaque: its boundary must be closed.
-fn close_solid(of: &mut Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
-    if !matches!(surface, Surface::Dielectric { .. }) || of.alpha_mode == AlphaMode::Opaque {
+fn close_solid(of: &mut Parameters, is_solid: bool, subject: &str, report: &mut LoadReport) {
+    if !is_solid || of.alpha_mode == AlphaMode::Opaque {
         return;
     }
     if of.alpha < 1.0 || of.textures.alpha.is_some() {

@@ -28,6 +28,7 @@ pub(super) struct Parameters {
     pub(super) metallic: f64,
     pub(super) roughness: f64,
     pub(super) mean_metallic: f64,
+    /// Share of what is not metal that is glass.
     pub(super) transmission: f64,
     /// 0 means a surface that reflects all light (`KHR_materials_ior`).
     pub(super) ior: f64,
@@ -90,13 +91,14 @@ pub(super) fn read(
     if metallic_roughness.is_none() {
         (metallic, roughness) = (mean_metallic, mean_roughness);
     }
+    let mut glass = None;
     let transmission = match &extensions.transmission {
         None => 0.0,
         Some(transmission) => {
-            let texture = transmission.transmission_texture.as_ref().map(Slot::of);
-            let shown = |mean: &Mean| format!("transmission {:.3}", mean.plain[0]);
-            let mean = means.mean(texture, "transmission", shown)?;
-            f64::from(transmission.transmission_factor.0) * mean.map_or(1.0, |mean| mean.plain[0])
+            let factor = f64::from(transmission.transmission_factor.0);
+            let texture = transmission.transmission_texture.as_ref().map(Slot::of).filter(|_| factor > 0.0);
+            glass = means.image(texture, TRANSMISSION)?;
+            factor * glass.filter(|glass| glass.used.is_none()).map_or(1.0, |glass| glass.mean.plain[0])
         }
     };
     let strength = extensions.emissive_strength.as_ref().map_or(1.0, |e| f64::from(e.emissive_strength.0));
@@ -228,6 +230,7 @@ pub(super) fn read(
             anisotropy: direction.and_then(|direction| direction.used),
             diffuse_transmission: shares.and_then(|shares| shares.used),
             diffuse_transmission_color: colors.and_then(|colors| colors.used),
+            transmission: glass.and_then(|glass| glass.used),
             sheen_color: sheen.and_then(|sheen| sheen.used),
             sheen_roughness: rough_sheen.and_then(|rough| rough.used),
         },
@@ -281,6 +284,7 @@ const SPECULAR: Role = Role { name: "specular", bytes: TexelFormat::Srgb8, is_fa
 const SPECULAR_COLOR: Role = Role { name: "specular colour", bytes: TexelFormat::Srgb8, is_factor: true };
 const CLEARCOAT_WEIGHT: Role = Role { name: "clearcoat", bytes: TexelFormat::Linear8, is_factor: true };
 const CLEARCOAT_ROUGHNESS: Role = Role { name: "clearcoat roughness", ..CLEARCOAT_WEIGHT };
+const TRANSMISSION: Role = Role { name: "transmission", ..CLEARCOAT_WEIGHT };
 const DIFFUSE_SHARE: Role = Role { name: "diffuse transmission", bytes: TexelFormat::Srgb8, is_factor: true };
 const DIFFUSE_COLOR: Role = Role { name: "diffuse transmission colour", ..DIFFUSE_SHARE };
 const SHEEN_COLOR: Role = Role { name: "sheen colour", bytes: TexelFormat::Srgb8, is_factor: true };

@@ -4,8 +4,8 @@ use super::Tables;
 use crate::scene::SceneView;
 use crate::scene::material::Material;
 use crate::scene::texture::{
-    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, ShadingTables, SheenLayer, TexelFormat,
-    Texture, TextureUse, Wrap,
+    Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, PartialTransmission, ShadingTables,
+    SheenLayer, TexelFormat, Texture, TextureUse, Wrap,
 };
 
 /// Vertex attributes of two triangles, and a texture that the first material uses.
@@ -19,6 +19,7 @@ struct Shading {
     diffuse_transmissions: Vec<DiffuseTransmission>,
     clearcoat_normals: Vec<ClearcoatNormal>,
     sheens: Vec<SheenLayer>,
+    partial_transmissions: Vec<PartialTransmission>,
     uses: Vec<TextureUse>,
     textures: Vec<Texture>,
 }
@@ -50,6 +51,11 @@ impl Shading {
             diffuse_transmissions: vec![DiffuseTransmission { color_texture: 0, ..DiffuseTransmission::NONE }],
             clearcoat_normals: vec![ClearcoatNormal { is_own: 1, texture: 0, ..ClearcoatNormal::NONE }],
             sheens: vec![SheenLayer { color_texture: 0, ..SheenLayer::NONE }],
+            partial_transmissions: vec![PartialTransmission {
+                factor_texture: 0,
+                glass: 2,
+                ..PartialTransmission::NONE
+            }],
             uses: vec![TextureUse { uv_set: 1, ..TextureUse::new(0) }],
             textures: vec![texture],
         }
@@ -65,6 +71,7 @@ impl Shading {
             diffuse_transmissions: &self.diffuse_transmissions,
             clearcoat_normals: &self.clearcoat_normals,
             sheens: &self.sheens,
+            partial_transmissions: &self.partial_transmissions,
             uses: &self.uses,
             textures: &self.textures,
             ..ShadingTables::default()
@@ -80,7 +87,7 @@ type Case = (fn(&mut Shading), &'static str);
 #[test]
 fn invalid_attributes_and_textures_are_named() {
     Shading::new().check().unwrap();
-    let cases: [Case; 33] = [
+    let cases: [Case; 41] = [
         (|s| s.normals.truncate(1), "scene view: shading.normals is 1 entries for 2 triangles"),
         (|s| s.tangents.truncate(1), "scene view: shading.tangents is 1"),
         (|s| s.tangents.clear(), "material_textures entry 0: it has a normal map, but the scene has no tangents"),
@@ -121,6 +128,32 @@ fn invalid_attributes_and_textures_are_named() {
         (|s| s.sheens[0].roughness = f32::NAN, "sheens entry 0: its roughness NaN"),
         (|s| s.sheens[0].color[1] = 1.5, "sheens entry 0: its color [0.0, 1.5, 0.0]"),
         (|s| s.sheens[0].roughness_texture = 1, "sheens entry 0: its texture 1"),
+        (|s| s.partial_transmissions.push(PartialTransmission::NONE), "scene view: shading.partial_transmissions is 2"),
+        (|s| s.partial_transmissions[0].factor = 1.5, "partial_transmissions entry 0: its factor 1.5"),
+        (|s| s.partial_transmissions[0].factor_texture = 1, "partial_transmissions entry 0: its texture 1"),
+        (|s| s.partial_transmissions[0].glass = 5, "partial_transmissions entry 0: material 5 is out of range"),
+        (
+            |s| {
+                s.tables.materials[0].flags = Material::PARTIAL_TRANSMISSION;
+                s.partial_transmissions[0].glass = 1;
+            },
+            "material 0: its glass, material 1, must be thin or dielectric",
+        ),
+        (
+            |s| s.tables.materials[0].flags = Material::PARTIAL_TRANSMISSION | Material::ALPHA,
+            "material 0: it has Material::ALPHA, but its glass is a solid",
+        ),
+        (
+            |s| {
+                s.tables.materials[0].flags = Material::PARTIAL_TRANSMISSION;
+                s.tables.materials[0].emission = [1.0; 3];
+            },
+            "material 0: its glass, material 2, must emit the same light",
+        ),
+        (
+            |s| s.tables.materials[1].flags = Material::PARTIAL_TRANSMISSION,
+            "material 1: it has Material::PARTIAL_TRANSMISSION, but only",
+        ),
         (|s| s.uses[0].texture_index = 1, "texture use 0: texture 1 is out of range"),
         (|s| s.uses[0].transform[1][2] = f32::INFINITY, "texture use 0: its transform"),
         (|s| s.textures[0].width = 0, "texture 0: its size 0 × 2"),

@@ -72,19 +72,44 @@ fn absorption_leaves_the_attenuation_colour_after_its_distance() {
 }
 
 #[test]
-fn glass_that_is_not_quite_clear_is_reported() {
+fn a_share_of_glass_is_kept() {
     let of = |factor: f64, pbr: &str| {
         read(&format!(
             r#""pbrMetallicRoughness": {{{pbr}}}, "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": {factor}}}}}"#
         ))
     };
-    let (clear, report) = of(0.75, r#""metallicFactor": 0, "roughnessFactor": 0.25"#);
-    assert!(matches!(clear.surface, Surface::Thin { roughness: 0.25, .. }), "{clear:?}");
-    assert!(says(&report, "it", "75 %"));
-    let (opaque, report) = of(0.25, r#""metallicFactor": 0"#);
-    assert!(matches!(opaque.surface, Surface::Glossy { .. }) && says(&report, "it", "25 %"));
-    let (metal, _) = of(1.0, r#""metallicFactor": 1, "roughnessFactor": 0"#);
-    assert!(matches!(metal.surface, Surface::Mirror { .. }));
+    for (factor, metallic) in [(0.75, 0.0), (0.25, 0.0), (0.5, 0.75), (1.0, 0.25)] {
+        let (mixed, report) = of(factor, &format!(r#""metallicFactor": {metallic}, "roughnessFactor": 0.25"#));
+        let Surface::Glossy { metallic: found, roughness: 0.25, specular: 1.0, ior: 1.5, .. } = mixed.surface else {
+            panic!("{mixed:?}")
+        };
+        assert_eq!((mixed.transmission, found, mixed.transmission_absorption), (factor, metallic, None));
+        assert!(report.is_exact(), "{report}");
+    }
+    // None, and all of it, are what they were before.
+    assert_eq!(of(0.0, r#""metallicFactor": 0"#).0, MaterialDesc::plastic("it", [1.0; 3], 1.0));
+    assert_eq!(of(1.0, r#""metallicFactor": 0, "roughnessFactor": 0"#).0, MaterialDesc::thin("it", 1.5));
+    // Metal does not transmit.
+    for factor in [0.5, 1.0] {
+        let (metal, report) = of(factor, r#""metallicFactor": 1, "roughnessFactor": 0"#);
+        assert!(matches!(metal.surface, Surface::Mirror { .. }) && metal.transmission == 0.0 && report.is_exact());
+    }
+    let with = |rest: &str| {
+        read(&format!(
+            r#""pbrMetallicRoughness": {{"metallicFactor": 0}}, "extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 0.5}}, {rest}}}"#
+        ))
+    };
+    let (solid, report) = with(r#""KHR_materials_volume": {"thicknessFactor": 1}"#);
+    assert!(solid.transmission == 0.5 && solid.transmission_absorption == Some([0.0; 3]) && report.is_exact());
+    let (coated, report) = with(r#""KHR_materials_clearcoat": {"clearcoatFactor": 1}"#);
+    assert!(
+        coated.transmission == 0.5 && coated.clearcoat == 1.0 && says(&report, "it", "its clearcoat is left out for")
+    );
+    let (matte, report) = with(r#""KHR_materials_specular": {"specularFactor": 0}"#);
+    assert!(matches!(matte.surface, Surface::Glossy { specular: 0.0, ior: 1.5, .. }) && matte.transmission == 0.5);
+    assert!(says(&report, "it", "the specular factor of its glass"), "{report}");
+    let (coat, _) = with(r#""KHR_materials_ior": {"ior": 0}"#);
+    assert!(matches!(coat.surface, Surface::Glossy { ior: 0.0, .. }) && coat.transmission == 0.0);
 }
 
 #[test]
@@ -147,10 +172,16 @@ fn alpha_is_coverage() {
 }
 
 #[test]
-fn textures_without_a_place_become_their_mean() {
+fn shares_of_glass_are_textures() {
     let json = r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": {"index": 0}}}"#;
-    let (builder, _) = textured(json, &[[0, 255, 255, 255]]).load();
-    assert!(matches!(builder.materials[0].surface, Surface::Glossy { .. }));
+    let (builder, report) = textured(json, &[[0, 255, 255, 255]]).load();
+    assert!(builder.materials[0] == MaterialDesc::plastic("it", [1.0; 3], 1.0) && report.is_exact(), "{report}");
+    let (builder, report) = textured(json, &[[0, 255, 255, 255], [255, 0, 0, 255]]).load();
+    let found = &builder.materials[0];
+    let texture = found.textures.transmission.expect("a texture");
+    assert!(matches!(found.surface, Surface::Glossy { .. }) && found.transmission == 1.0, "{found:?}");
+    assert!(report.lines.iter().all(|line| !line.subject.contains("material")), "{report}");
+    assert_eq!(builder.textures[texture.texture.0 as usize].image.format, photon_core::TexelFormat::Linear8);
 }
 
 #[test]

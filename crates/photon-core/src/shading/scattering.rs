@@ -18,8 +18,7 @@ use crate::shading::rough_glass_table::RoughGlassTable;
 
 /// Scattering of a surface at one path vertex.
 #[derive(Clone, Copy, Debug)]
-// Exhaustive: backends must follow each. Large cases are not boxed: it exists only where it is matched.
-#[expect(clippy::large_enum_variant, reason = "matched where it is made, and never stored")]
+// Exhaustive: backends must follow each.
 pub enum Scattering {
     /// Diffuse reflection, mirrors and smooth glass.
     Simple(Bsdf),

@@ -167,10 +167,16 @@ fn clothed_parts(i: &Input, cosine: f32) -> Output {
     output([r, g, b, glossy.specular_probability(), glossy.sheen_probability(), entering, glossy.sheen_through()])
 }
 
-/// The value, and 1e-4: those of the narrowest lobes end among denormals.
+/// The value, and 1e-4: those of the narrowest lobes end among denormals. Where the half vector h is close to the normal,
+/// the value is sensitive to its cosine: sin² h is 1 − cos² h, off by 2.4e-7, and its power 1/2α relatively by that over
+/// 2α sin² h.
 fn of_cloth(i: &Input) -> f64 {
     let lobe = ReflectionLobe::new(ReflectionLobe::pack_sheen(&clothed(i)), i.vector(0), NORMAL);
-    1e-4 + f64::from(lobe.weight(i.vector(4), GEOMETRIC).x)
+    let half = (i.vector(0).as_dvec3() + i.vector(4).as_dvec3()).normalize_or(NORMAL.as_dvec3());
+    let sine_squared = half.cross(NORMAL.as_dvec3()).length_squared();
+    let alpha = f64::from(i.float(8)).powi(2).max(1e-6);
+    let sensitivity = 2.4e-7 / (2.0 * alpha * sine_squared.max(1e-12));
+    1e-4 + f64::from(lobe.weight(i.vector(4), GEOMETRIC).x) * (1.0 + sensitivity / 2e-4)
 }
 
 fn cloth_lobe(i: &Input, wo: Vec3, wi: Vec3) -> Output {

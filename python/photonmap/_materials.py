@@ -42,18 +42,26 @@ def number(name: str, value: Any) -> float:
     return result
 
 
+def diffuse_transmission(share: Any, color: Any) -> tuple[float, list[float]]:
+    """Share and colour."""
+    return number("diffuse_transmission", share), triple("diffuse_transmission_color", color)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Material:
     """What all materials have.
 
     `emission`: radiance that the front emits, W/(m² sr), a number or RGB: a mesh of such a material is an area light.
-    `emits_both_sides`: the back emits too. `clearcoat`: weight of a colourless layer of lacquer, in [0, 1].
+    `emits_both_sides`: the back emits too. `clearcoat`: weight of a colourless layer of lacquer, in [0, 1]. `sheen`: colour
+    of fibres over the surface (cloth), in [0, 1]. Glass has neither of the two.
     """
 
     emission: Any = 0.0
     emits_both_sides: bool = False
     clearcoat: float = 0.0
     clearcoat_roughness: float = 0.0
+    sheen: Any = 0.0
+    sheen_roughness: float = 0.0
 
     def _surface(self) -> tuple[str, Any, Any, float, float, float]:
         """Kind, colour, second colour, ior, roughness, specular."""
@@ -70,17 +78,33 @@ class Material:
             number("specular", specular),
         )
         coat = (number("clearcoat", self.clearcoat), number("clearcoat_roughness", self.clearcoat_roughness))
-        return builder.material(name, surface, triple("emission", self.emission), bool(self.emits_both_sides), coat)
+        sheen = (triple("sheen", self.sheen), number("sheen_roughness", self.sheen_roughness))
+        emission = triple("emission", self.emission)
+        both = bool(self.emits_both_sides)
+        return builder.material(name, surface, emission, both, coat, sheen, *self._transmission())
+
+    def _transmission(self) -> tuple[tuple[float, Any], tuple[float, Any]]:
+        """Share and colour of diffuse transmission, share and absorption of glass."""
+        return (0.0, [1.0] * 3), (0.0, None)
 
 
 @dataclass(frozen=True)
 class Lambert(Material):
-    """A diffuse surface."""
+    """A diffuse surface.
+
+    `diffuse_transmission`: the share of the light that a sheet (a leaf, paper) lets through instead of reflecting it, in
+    [0, 1], times `diffuse_transmission_color`.
+    """
 
     albedo: Any = 0.5
+    diffuse_transmission: float = 0.0
+    diffuse_transmission_color: Any = 1.0
 
     def _surface(self) -> tuple[str, Any, Any, float, float, float]:
         return "lambert", self.albedo, 0.0, 1.0, 0.0, 1.0
+
+    def _transmission(self) -> tuple[tuple[float, Any], tuple[float, Any]]:
+        return diffuse_transmission(self.diffuse_transmission, self.diffuse_transmission_color), (0.0, None)
 
 
 @dataclass(frozen=True)
@@ -124,12 +148,25 @@ class Metal(Material):
 
 @dataclass(frozen=True)
 class Plastic(Material):
-    """A diffuse base under a coat of refractive index `ior`, and roughness in [0, 1] (GGX)."""
+    """A diffuse base under a coat of refractive index `ior`, and roughness in [0, 1] (GGX).
+
+    `diffuse_transmission`, `diffuse_transmission_color`: as of `Lambert`. `transmission`: the share of the surface, in [0, 1],
+    that is glass of the same index, roughness and colour: a pane, or with an `absorption` per unit of length a solid.
+    """
 
     albedo: Any = 0.5
     roughness: float = 0.2
     ior: float = 1.5
     specular: float = 1.0
+    diffuse_transmission: float = 0.0
+    diffuse_transmission_color: Any = 1.0
+    transmission: float = 0.0
+    absorption: Any = None
 
     def _surface(self) -> tuple[str, Any, Any, float, float, float]:
         return "plastic", self.albedo, 0.0, self.ior, self.roughness, self.specular
+
+    def _transmission(self) -> tuple[tuple[float, Any], tuple[float, Any]]:
+        absorption = None if self.absorption is None else triple("absorption", self.absorption)
+        glass = (number("transmission", self.transmission), absorption)
+        return diffuse_transmission(self.diffuse_transmission, self.diffuse_transmission_color), glass

@@ -60,6 +60,9 @@ class RawBuilder:
         emission: _Vector,
         emits_both_sides: bool,
         clearcoat: tuple[float, float],
+        sheen: tuple[_Vector, float],
+        diffuse_transmission: tuple[float, _Vector],
+        transmission: tuple[float, _Vector | None],
     ) -> int: ...
     def mesh(
         self, name: str, positions: _F64, triangles: NDArray[np.uint32], material: int, normals: _F64 | None

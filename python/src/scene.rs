@@ -63,7 +63,10 @@ impl RawBuilder {
         Ok(overrides.apply(&mut self.builder, &mut self.report).map_err(Failure::from)?)
     }
 
-    /// Adds a material and returns its number. `surface`: kind, colour, second colour, ior, roughness, specular.
+    /// Adds a material and returns its number. `surface`: kind, colour, second colour, ior, roughness, specular. `clearcoat`:
+    /// weight and roughness; `sheen`: colour and roughness; `diffuse_transmission`: share and colour; `transmission`: share
+    /// and absorption.
+    #[expect(clippy::too_many_arguments, reason = "called by Python alone, by position")]
     fn material(
         &mut self,
         name: &str,
@@ -71,6 +74,9 @@ impl RawBuilder {
         emission: [f64; 3],
         emits_both_sides: bool,
         clearcoat: (f64, f64),
+        sheen: ([f64; 3], f64),
+        diffuse_transmission: (f64, [f64; 3]),
+        transmission: (f64, Option<[f64; 3]>),
     ) -> PyResult<usize> {
         let (kind, color, second, ior, roughness, specular) = surface;
         let glossy = |metallic| Surface::Glossy { base_color: color, metallic, roughness, specular, ior };
@@ -85,7 +91,12 @@ impl RawBuilder {
         };
         let mut desc = MaterialDesc::new(name, surface);
         desc.emission = emission;
-        let desc = desc.with_both_sides(emits_both_sides).with_clearcoat(clearcoat.0, clearcoat.1);
+        let desc = desc
+            .with_both_sides(emits_both_sides)
+            .with_clearcoat(clearcoat.0, clearcoat.1)
+            .with_sheen(sheen.0, sheen.1)
+            .with_diffuse_transmission(diffuse_transmission.0, diffuse_transmission.1)
+            .with_transmission(transmission.0, transmission.1);
         self.materials.push(self.builder.material(desc));
         Ok(self.materials.len() - 1)
     }

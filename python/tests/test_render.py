@@ -93,6 +93,8 @@ def test_all_objects_of_a_scene():
             pm.Glass(1.5, thin=True),
             pm.Metal((0.9, 0.7, 0.3), 0.3),
             pm.Plastic(0.5, 0.1, ior=1.4),
+            pm.Plastic(0.5, 0.1, transmission=0.5, absorption=(1, 2, 3), sheen=0.3, sheen_roughness=0.5),
+            pm.Lambert(0.5, diffuse_transmission=0.4, diffuse_transmission_color=(0.2, 0.8, 0.1)),
             pm.Lambert(0, emission=(5, 4, 3), emits_both_sides=True),
         ]
     ):
@@ -107,6 +109,25 @@ def test_all_objects_of_a_scene():
     assert scene.cameras == ["lens", "flat"]
     assert pm.render(scene, camera="flat", **QUICK).beauty.max() > 0
     assert pickle.loads(pickle.dumps(scene)).digest == scene.digest
+
+
+def test_a_translucent_sheet():
+    """A sheet that lets the share t of the light through is as bright from behind as t times one that reflects it all."""
+
+    def seen(material, side):
+        scene = pm.Scene()
+        scene.quad("sheet", FLOOR, material)
+        scene.directional_light([0, -1, 0], 10).camera([0, side * 3, 0.01], to=[0, 0, 0])
+        return pm.render(scene, size=(16, 16), passes=2, photons=2000).beauty[8, 8]
+
+    lit = seen(pm.Lambert(1.0), 1)
+    through = seen(pm.Lambert(1.0, diffuse_transmission=0.25, diffuse_transmission_color=(0.5, 1.0, 0.0)), -1)
+    np.testing.assert_allclose(lit, 10 / np.pi, rtol=1e-5)
+    np.testing.assert_allclose(through, lit * [0.125, 0.25, 0.0], rtol=1e-5)
+    assert pm.Plastic(0.5, transmission=0.5) != pm.Plastic(0.5)
+    for wrong in (pm.Plastic(0.5, transmission=1.5), pm.Glass(sheen=0.5), pm.Lambert(diffuse_transmission=-1)):
+        with pytest.raises(pm.InputError, match="quad"):
+            pm.Scene().quad("quad", FLOOR, wrong).build()
 
 
 def test_a_scene_of_a_file(tmp_path):

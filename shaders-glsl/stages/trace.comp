@@ -133,7 +133,7 @@ struct Path {
     uint stored[MAP_COUNT];
 };
 
-// The path's random word for surfaces of which it decides.
+// The path's random word, which decides what it meets where that is random.
 uint layer(Path path) {
     if (!RANDOM_SURFACES) return 0u;
     return sampler_words(path.numbers, BLOCK_SURFACES + path.bounce).w;

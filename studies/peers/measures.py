@@ -9,7 +9,7 @@ from .errors import Malformed, RunFailed, ToolMissing
 
 # Pixels count as caustic if more than this share of the reference's light is in its caustic layer.
 CAUSTIC_SHARE = 0.2
-# The means of a channel may differ by this share, and 4.5 standard errors.
+# The means of a channel may differ by this share plus 4.5 standard errors.
 MEAN_LIMIT = 0.01
 # What the mean test has to refuse, or the picture is too noisy to be tested.
 BRIGHTENED = 1.05

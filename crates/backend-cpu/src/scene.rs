@@ -94,7 +94,7 @@ impl CpuScene {
         })
     }
 
-    /// Whether rays are traced in batches, as the ray caster prefers; never where random words decide of surfaces.
+    /// Whether rays are traced in batches, as the ray caster prefers; never where a random word decides what a ray meets.
     pub(crate) fn traces_batches(&self) -> bool {
         !self.present.intersects(Features::RANDOM_SURFACES) && self.caster.prefers_batches()
     }

@@ -11,7 +11,7 @@ pub(crate) struct CpuShading {
 }
 
 impl CpuShading {
-    /// `None` for a scene without any, and without surfaces of which random words decide.
+    /// `None` for a scene without any, and without surfaces that random words decide on.
     pub(crate) fn new(view: &SceneView<'_>, present: Features) -> Option<Box<Self>> {
         if view.shading.is_empty() && !present.intersects(Features::RANDOM_SURFACES) {
             return None;

@@ -1,7 +1,7 @@
 //! Photon mapping: the part that all backends share.
 //!
 //! Data layouts, random numbers, scattering, settings, the traits that a backend implements, and the loop
-//! that drives them. No threads, no input or output, no ray-tracing structure.
+//! that drives them. No input or output, no ray-tracing structure; threads for judging films only ([`parallel`]).
 //!
 //! Start with [`Pipeline`] and [`render`], which render a [`SceneView`] by [`Settings`]; a backend implements [`Backend`]
 //! and [`TransportBackend`].

@@ -1,8 +1,10 @@
 //! Work on large slices by all cores, for what is done a few times in a render: reading and judging films.
 //!
-//! Threads are started for each call and have ended when it returns: a process may fork between two calls. Results do not
-//! depend on their number.
+//! Threads are started for each call and have ended when it returns: a process may fork between two calls. There are as many
+//! as the process may use cores, whatever the number of threads of a backend. Results do not depend on their number: without
+//! any other thread, as where the system has none left, the calling one does it all.
 
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 /// With fewer elements, a thread takes longer to start than to work.
@@ -11,25 +13,14 @@ const LEAST: usize = 1 << 12;
 /// Calls `work` for consecutive parts of `items`, each with the index of its first element.
 pub fn for_each_part<T: Send>(items: &mut [T], work: impl Fn(usize, &mut [T]) + Sync) {
     let part = part(items.len());
-    thread::scope(|scope| {
-        let mut parts = items.chunks_mut(part).enumerate();
-        // The first part is this thread's.
-        let own = parts.next();
-        for (i, items) in parts {
-            let work = &work;
-            scope.spawn(move || work(i * part, items));
-        }
-        if let Some((_, items)) = own {
-            work(0, items);
-        }
-    });
+    for_each(items.chunks_mut(part), |i, items| work(i * part, items));
 }
 
-/// The results of `of` for `0..count`, in order.
+/// The results of `of` for `0..count`, in order. It takes the memory of the results twice.
 pub fn collect<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let part = part(count);
     let mut parts: Vec<Vec<T>> = (0..count.div_ceil(part)).map(|_| Vec::new()).collect();
-    for_each(&mut parts, |i, found| found.extend((i * part..((i + 1) * part).min(count)).map(&of)));
+    for_each(parts.iter_mut(), |i, found| found.extend((i * part..((i + 1) * part).min(count)).map(&of)));
     let mut parts = parts.into_iter();
     let mut all = parts.next().unwrap_or_default();
     all.reserve_exact(count - all.len());
@@ -37,15 +28,23 @@ pub fn collect<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> 
     all
 }
 
-/// A thread for each element but the first, which is this thread's.
-fn for_each<T: Send>(items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
-    let Some((first, others)) = items.split_first_mut() else { return };
-    thread::scope(|scope| {
-        for (i, item) in others.iter_mut().enumerate() {
-            let work = &work;
-            scope.spawn(move || work(i + 1, item));
+/// Calls `work` for each part and its index; the threads take the parts in turn.
+fn for_each<P: Send>(parts: impl ExactSizeIterator<Item = P> + Send, work: impl Fn(usize, P) + Sync) {
+    let others = parts.len().saturating_sub(1);
+    let parts = Mutex::new(parts.enumerate());
+    let take = || parts.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work_on = || {
+        while let Some((i, part)) = take() {
+            work(i, part);
         }
-        work(0, first);
+    };
+    thread::scope(|scope| {
+        for _ in 0..others {
+            if thread::Builder::new().spawn_scoped(scope, work_on).is_err() {
+                break;
+            }
+        }
+        work_on();
     });
 }
 
@@ -71,8 +70,8 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "a scoped thread panicked")]
     fn a_panic_is_not_lost() {
-        let _ = collect(64 * LEAST, |i| assert!(i < LEAST * 60, "too far"));
+        let late = || collect(64 * LEAST, |i| assert!(i < LEAST * 60, "too far"));
+        assert!(std::panic::catch_unwind(late).is_err());
     }
 }

@@ -209,7 +209,8 @@ pub(crate) fn materials(
                 AlphaMode::Mask { cutoff } => (Material::ALPHA, cutoff as f32),
                 AlphaMode::Blend => (Material::ALPHA, 0.0),
             };
-            let through = if desc.diffuse_transmission > 0.0 { Material::DIFFUSE_TRANSMISSION } else { 0 };
+            // As the record has it.
+            let through = if desc.diffuse_transmission as f32 > 0.0 { Material::DIFFUSE_TRANSMISSION } else { 0 };
             let emission = emission.as_vec3().to_array();
             let partly = if glass.is_some() { Material::PARTIAL_TRANSMISSION } else { 0 };
             all_glass.extend(glass.map(|glass| Material { emission, flags, ..glass }));

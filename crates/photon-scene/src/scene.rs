@@ -118,7 +118,7 @@ impl Scene {
         self.environment_text.as_deref()
     }
 
-    /// Names of the materials, by index.
+    /// Names of the materials, by index. Materials of `view()` beyond these are the glass of partly transmitting ones.
     pub fn material_names(&self) -> impl Iterator<Item = &str> {
         self.material_names.iter().map(String::as_str)
     }

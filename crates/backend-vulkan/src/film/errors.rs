@@ -1,8 +1,9 @@
 //! Error statistics on the device: twin of photon-core's `ErrorPixel`. The current pass is stored in f32, sums
 //! over passes as sums of two floats; statistics of a map are allocated when the map is first read.
 
+use bytemuck::allocation::try_zeroed_vec;
 use bytemuck::{Pod, Zeroable};
-use photon_core::{ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
+use photon_core::{Error, ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
 
 use super::{GROUP, VulkanFilm, read_back, zeroed};
 use crate::constants::{
@@ -201,7 +202,10 @@ pub(super) fn clear_sums(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
 pub(super) fn read(on: &mut Vulkan, film: &VulkanFilm, picture: &mut Film) -> Result<()> {
     let Some(errors) = &film.errors else { return Ok(()) };
     // Not written until it is filled, by all cores.
-    let mut all = bytemuck::zeroed_vec::<ErrorPixel>(picture.pixels.len());
+    let mut all = try_zeroed_vec::<ErrorPixel>(picture.pixels.len()).map_err(|()| Error::OutOfMemory {
+        label: "film: errors",
+        bytes: (picture.pixels.len() as u64).saturating_mul(size_of::<ErrorPixel>() as u64),
+    })?;
     let photon_moments =
         errors.photon_moments.values().flatten().flat_map(|(_, sum)| (0..2 * MOMENTS).map(move |i| (sum, i)));
     let planes: Vec<_> = (0..2 * SUMS).map(|i| (&errors.sum, i)).chain(photon_moments).collect();

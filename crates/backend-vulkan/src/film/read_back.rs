@@ -43,7 +43,7 @@ pub(super) fn planes<T: Send>(
         let parts: Vec<_> = planes.iter().map(|&(memory, plane)| (memory, (plane * all + start) as u64 * 4)).collect();
         let mut fits = true;
         on.read_parts(&parts, length as u64 * 4, |bytes| {
-            // Mapped memory is aligned to at least 64 bytes.
+            // Allocators place buffers at multiples of what the device asks for, which is at least 4.
             let Ok(words) = bytemuck::try_cast_slice(bytes) else {
                 fits = false;
                 return;

@@ -214,7 +214,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// All stages, in order of execution.
+    /// All stages, in order of execution; kernels are compiled wherever they are first needed.
     pub const ALL: [Self; 10] = [
         Self::Prepare,
         Self::Compile,

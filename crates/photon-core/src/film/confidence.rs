@@ -221,7 +221,7 @@ const MINOR: f64 = 0.05;
 const BOUND: f64 = 3.0;
 
 impl Film {
-    /// Confidence interval of each pixel; `None` if error statistics are disabled.
+    /// Confidence interval of each pixel; `None` if error statistics are disabled, or not those of all pixels.
     ///
     /// A pixel is flagged if the bias of some of its light has no estimate and this light is more than a twentieth of it;
     /// of less light, the interval contains a bound.
@@ -237,7 +237,7 @@ impl Film {
 
     /// The function that gives the confidence interval of a pixel.
     pub(crate) fn interval(&self) -> Option<impl Fn(usize) -> ConfidenceInterval + Sync + '_> {
-        let errors = self.errors.as_ref()?;
+        let errors = self.errors.as_ref().filter(|errors| errors.len() == self.pixels.len())?;
         let n = f64::from(self.passes.max(1));
         let quantile = student_975(n - 1.0);
         let to_user = self.units.radiance_to_user();

@@ -1,5 +1,6 @@
 //! The interface that hides the backend, and the loop over passes.
 
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
@@ -176,6 +177,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
         if is_over(&plan, &outcome, &clock) {
             break;
         }
+        clock.begin_pass();
         let (report, flow) = match renderer.pass(index, observer)? {
             PassEnd::Done(report) => (report, ControlFlow::Continue(())),
             PassEnd::Last(report) => (report, ControlFlow::Break(())),
@@ -185,19 +187,17 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
             }
         };
         outcome.add(report);
-        clock.pass_done();
+        clock.end_pass();
         if flow.is_break() {
             outcome.cancelled = outcome.passes < plan.passes();
             break;
         }
-        if observer.wants_film(outcome.passes)
-            && clock.apart(|_| Ok::<_, Error>(observer.on_event(&Event::Film(&renderer.film()?))))?.is_break()
-        {
+        if observer.wants_film(outcome.passes) && observer.on_event(&Event::Film(&renderer.film()?)).is_break() {
             outcome.cancelled = outcome.passes < plan.passes();
             break;
         }
         if outcome.passes == next_look {
-            let forecast = clock.apart(|clock| look(renderer, &plan, &outcome, clock))?;
+            let forecast = look(renderer, &plan, &outcome, &clock)?;
             next_look = after(&plan, outcome.passes, forecast.as_ref());
             let Some(forecast) = forecast else {
                 if matches!(plan.until, Budget::Error { .. }) {
@@ -247,52 +247,50 @@ fn is_over(plan: &Plan, outcome: &Outcome, clock: &Clock) -> bool {
     photons || plan.time().is_some_and(|time| clock.elapsed() + clock.pass() / 2 > time)
 }
 
-/// Times the passes. The first one also compiles kernels and allocates, and forecasts read the film: they do not count for
-/// the duration of a pass.
+/// Times the passes. The first one also compiles kernels, some read the film to choose radii, and forecasts and previews
+/// come between: the duration of a pass is the median of the latest others.
 struct Clock {
     begun: Instant,
+    /// When the present pass began.
+    pass_begun: Instant,
     passes: u32,
-    first: Duration,
-    /// Time spent on other things since the first pass.
-    apart: Duration,
-    /// When the last pass or other thing ended.
-    last: Duration,
+    /// Durations of the latest passes; of the first one only until there is a second.
+    latest: VecDeque<Duration>,
 }
 
 impl Clock {
+    /// Number of passes whose median is taken.
+    const LATEST: usize = 63;
+
     fn new() -> Self {
-        let zero = Duration::ZERO;
-        Self { begun: Instant::now(), passes: 0, first: zero, apart: zero, last: zero }
+        let begun = Instant::now();
+        Self { begun, pass_begun: begun, passes: 0, latest: VecDeque::new() }
     }
 
     fn elapsed(&self) -> Duration {
         self.begun.elapsed()
     }
 
-    fn pass_done(&mut self) {
-        self.passes += 1;
-        self.last = self.elapsed();
-        if self.passes == 1 {
-            self.first = self.last;
+    fn begin_pass(&mut self) {
+        self.pass_begun = Instant::now();
+    }
+
+    fn end_pass(&mut self) {
+        self.add(self.pass_begun.elapsed());
+    }
+
+    fn add(&mut self, pass: Duration) {
+        if self.passes == 1 || self.latest.len() == Self::LATEST {
+            self.latest.pop_front();
         }
+        self.passes = self.passes.saturating_add(1);
+        self.latest.push_back(pass);
     }
 
-    /// Does something that is no pass.
-    fn apart<T>(&mut self, what: impl FnOnce(&Self) -> T) -> T {
-        let begun = Instant::now();
-        let result = what(self);
-        self.apart += begun.elapsed();
-        self.last = self.elapsed();
-        result
-    }
-
-    /// Mean duration of the passes so far without the first, if there were others.
     fn pass(&self) -> Duration {
-        match self.passes {
-            0 => Duration::ZERO,
-            1 => self.first,
-            passes => self.last.saturating_sub(self.first + self.apart) / (passes - 1),
-        }
+        let mut latest: Vec<Duration> = self.latest.iter().copied().collect();
+        latest.sort_unstable();
+        latest.get(latest.len() / 2).copied().unwrap_or_default()
     }
 }
 
@@ -381,16 +379,20 @@ mod tests {
 
     #[test]
     fn the_first_pass_and_forecasts_are_no_measure_of_a_pass() {
-        let seconds = Duration::from_secs;
-        let mut clock = Clock { passes: 1, first: seconds(5), last: seconds(5), ..Clock::new() };
-        assert_eq!(clock.pass(), seconds(5));
-        // Four passes of 2 s, and a forecast of 3 s among them.
-        (clock.passes, clock.last, clock.apart) = (5, seconds(16), seconds(3));
-        assert_eq!(clock.pass(), seconds(2));
-        // What ends later than the last pass moves the end too.
-        clock.begun = Instant::now().checked_sub(seconds(20)).unwrap();
-        clock.apart(|_| ());
-        assert!(clock.last >= seconds(20));
+        let pass = |all: &[u64]| {
+            let mut clock = Clock::new();
+            all.iter().for_each(|&seconds| clock.add(Duration::from_secs(seconds)));
+            clock.pass().as_secs()
+        };
+        assert_eq!((pass(&[]), pass(&[5]), pass(&[5, 2]), pass(&[5, 2, 2, 2, 1, 9])), (0, 5, 2, 2));
+        // Early passes are forgotten.
+        assert_eq!(pass(&[[5; 100].as_slice(), &[3; 40]].concat()), 3);
+        // What happens between two passes belongs to none.
+        let mut clock = Clock::new();
+        clock.pass_begun = Instant::now().checked_sub(Duration::from_secs(20)).unwrap();
+        clock.begin_pass();
+        clock.end_pass();
+        assert!(clock.pass() < Duration::from_secs(10));
     }
 
     fn passes(plan: impl Into<Plan>) -> u32 {

@@ -90,7 +90,7 @@ impl Features {
         .union(Self::DIFFUSE_TRANSMISSION)
         .union(Self::CLEARCOAT_NORMALS)
         .union(Self::SHEEN);
-    /// Surfaces of which a random word of the ray decides what it meets: whether they are there, or which material.
+    /// Where a random word of the ray decides what it meets: whether a surface is there, or which of its materials.
     pub const RANDOM_SURFACES: Self = Self::ALPHA.union(Self::PARTIAL_TRANSMISSION);
     /// Where camera paths sample lights, and go on.
     pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);

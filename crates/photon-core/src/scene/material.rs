@@ -109,7 +109,8 @@ impl Material {
     /// Flag of glossy materials: [`crate::ShadingTables::diffuse_transmissions`] has an entry for it whose factor is above 0.
     pub const DIFFUSE_TRANSMISSION: u32 = 1 << 2;
     /// Flag of Lambertian and glossy materials: the surface is glass for the share of
-    /// [`crate::ShadingTables::partial_transmissions`], whose entry names the material of the glass. That emits the same.
+    /// [`crate::ShadingTables::partial_transmissions`], whose entry names the material of the glass, which
+    /// emits the same light.
     pub const PARTIAL_TRANSMISSION: u32 = 1 << 3;
 
     /// The type of scattering. [`crate::SceneView::validate`] refuses unknown numbers; here they count as

@@ -65,7 +65,8 @@ impl PhotonSample {
     /// From a glossy surface; `chosen` is from [`GlossyLobe::choose`], and the lobe's probability is divided out.
     #[inline]
     #[must_use]
-    pub fn glossy(glossy: &Glossy, (lobe, rest): (GlossyLobe, f32), at: &Arriving) -> Option<Self> {
+    pub fn glossy(glossy: &Glossy, chosen: (GlossyLobe, f32), at: &Arriving) -> Option<Self> {
+        let (lobe, rest) = chosen;
         let (direction, weight) = glossy_scattered(glossy, lobe, at);
         let power = russian_roulette(at.power, weight, rest, true)?;
         Some(Self { direction, power, lobe: lobe.side() })

@@ -3,7 +3,7 @@
 //!
 //! A path meets a surface once its material has been evaluated at the point ([`crate::shade`]) and the media on both sides
 //! are known ([`crate::interface`]). [`Scattering::at`] then decides, here alone, what happens; a new rule is a new case,
-//! which the compiler asks every path for.
+//! which the compiler then makes every path handle.
 
 use glam::Vec3;
 

@@ -17,7 +17,8 @@ pub(super) fn fold_transmission(material: &mut MaterialDesc, color_of: impl Fn(T
         return remove(material);
     };
     let is_metal = metallic >= 1.0 && textures.metallic_roughness.is_none();
-    if material.transmission == 0.0 || is_metal {
+    // What is 0 in single precision is none.
+    if material.transmission as f32 == 0.0 || is_metal {
         return remove(material);
     }
     if material.transmission >= 1.0 && metallic == 0.0 && textures.transmission.is_none() {

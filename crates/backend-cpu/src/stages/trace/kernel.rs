@@ -25,8 +25,8 @@ const ALL: u64 = Features::DIFFUSE
 /// The kernel for surfaces with textures or shading normals, with all lobes.
 pub(super) const SHADED: u64 = ALL | NESTED | Features::SHADED.bits() as u64;
 
-/// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those of
-/// which random words decide have one kernel each with all lobes.
+/// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those
+/// where a random word decides what a ray meets have one kernel each with all lobes.
 pub(super) fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     const D: Features = Features::DIFFUSE;
     const M: Features = D.union(Features::MIRROR);

@@ -132,6 +132,8 @@ class Glass(Material):
     thin: bool = False
 
     def _surface(self) -> tuple[str, Any, Any, float, float, float]:
+        if number("clearcoat", self.clearcoat) != 0 or any(triple("sheen", self.sheen)):
+            raise InputError("glass has no clearcoat and no sheen; leave them out")
         return ("thin" if self.thin else "glass"), self.tint, self.absorption, self.ior, self.roughness, 1.0
 
 

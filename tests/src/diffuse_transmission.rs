@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use photon_core::glam::DVec3;
-use photon_core::{Direct, EnvironmentMap, Features, Filter, MapKind};
+use photon_core::{Direct, Features, Filter, MapKind};
 use photon_scene::{
     LightDesc, MaterialDesc, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc, VertexAttributes,
 };
@@ -105,7 +105,7 @@ pub fn sunlit_from_behind<T: TestBackend>() {
 /// Sheets that absorb nothing show the radiance 1 of an even environment, also behind panes, where paths no longer split.
 pub fn white_furnace<T: TestBackend>() {
     let make = |panes: bool| {
-        let mut builder = SceneBuilder::new();
+        let builder = SceneBuilder::new();
         let white = |share: f64| leaf(1.0, share, 1.0);
         let coated = MaterialDesc::plastic("coated", [1.0; 3], 0.4).with_diffuse_transmission(0.5, [1.0; 3]);
         let descs = vec![
@@ -116,15 +116,7 @@ pub fn white_furnace<T: TestBackend>() {
             (2, coated.with_clearcoat(0.7, 0.2)),
             (1, leaf(0.0, 0.25, 1.0)),
         ];
-        stripes::add(&mut builder, descs, false);
-        for y in [0.3, 0.6] {
-            let glass = builder.material(MaterialDesc::thin("pane", 1.5));
-            if panes {
-                builder.quad("pane", [[-3.0, y, 3.0], [3.0, y, 3.0], [3.0, y, -3.0], [-3.0, y, -3.0]], glass);
-            }
-        }
-        builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap());
-        builder.build().unwrap()
+        stripes::in_even_light(builder, descs, panes)
     };
     for panes in [false, true] {
         let found = columns::<T>(&make(panes), &direct_settings(Direct::Nee, 0.1), 32);

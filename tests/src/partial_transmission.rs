@@ -150,15 +150,7 @@ pub fn white_furnace<T: TestBackend>() {
             (1, mixed(1.0, 0.5).with_alpha(AlphaMode::Blend, 0.5)),
             (1, mixed(1.0, 0.5).with_clearcoat(1.0, 0.3)),
         ];
-        stripes::add(&mut builder, descs, false);
-        for y in [0.3, 0.6] {
-            let glass = builder.material(MaterialDesc::thin("pane", 1.5));
-            if panes {
-                builder.quad("pane", [[-3.0, y, 3.0], [3.0, y, 3.0], [3.0, y, -3.0], [-3.0, y, -3.0]], glass);
-            }
-        }
-        builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap());
-        builder.build().unwrap()
+        stripes::in_even_light(builder, descs, panes)
     };
     for (panes, direct) in [(false, Direct::Nee), (false, Direct::Photons), (true, Direct::Nee)] {
         let settings = Settings { shadow_rays: 16, area: Area::Surface, ..direct_settings(direct, 0.1) };

@@ -1,7 +1,8 @@
 //! Stripes of surfaces, each seen by some of eight columns of pixels.
 
+use photon_core::EnvironmentMap;
 use photon_core::glam::DVec3;
-use photon_scene::{CameraDesc, MaterialDesc, Projection, SceneBuilder, VertexAttributes};
+use photon_scene::{CameraDesc, MaterialDesc, Projection, Scene, SceneBuilder, VertexAttributes};
 
 /// Towards the camera of [`add`].
 pub(crate) const VIEW: DVec3 = DVec3::new(0.0, 1.2, 0.8);
@@ -34,4 +35,22 @@ pub(crate) fn add_with(
     }
     let projection = Projection::Orthographic { half_height: 1.0 };
     builder.camera("oblique", CameraDesc::new(VIEW.to_array(), (-VIEW).to_array(), [0.0, 1.0, 0.0], projection));
+}
+
+/// A scene of such stripes in an environment of radiance 1; with `panes` below two sheets of glass, where paths do not split
+/// any more.
+pub(crate) fn in_even_light(
+    mut builder: SceneBuilder,
+    descs: impl IntoIterator<Item = (u32, MaterialDesc)>,
+    panes: bool,
+) -> Scene {
+    add(&mut builder, descs, false);
+    for y in [0.3, 0.6] {
+        let glass = builder.material(MaterialDesc::thin("pane", 1.5));
+        if panes {
+            builder.quad("pane", [[-3.0, y, 3.0], [3.0, y, 3.0], [3.0, y, -3.0], [-3.0, y, -3.0]], glass);
+        }
+    }
+    builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap());
+    builder.build().unwrap()
 }

@@ -102,7 +102,7 @@ fn run(job: &Job) -> Result<(), Box<dyn Error>> {
             println!("{:<9} {ms:>9.3} ms", stage.name());
         }
     }
-    let device = median(&|report| Stage::ALL.iter().map(|&stage| report.seconds.get(stage)).sum());
+    let device = median(&|report| report.seconds.total());
     println!("{:<9} {:>9.3} ms, {:.1} passes/s", "device", device * 1e3, 1.0 / device);
     let wall = seconds / f64::from(job.passes);
     println!("{:<9} {:>9.3} ms, {:.1} passes/s; reading the film {:.0} ms", "wall", wall * 1e3, 1.0 / wall, read * 1e3);

@@ -128,7 +128,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
             "passes": details.seconds_passes,
             "bvh": facts.setup.get(Stage::Prepare),
             "pipelines": facts.setup.get(Stage::Compile) + seconds(Stage::Compile),
-            "pilot": Stage::ALL[2..].iter().map(|&stage| facts.setup.get(stage)).sum::<f64>(),
+            "pilot": facts.setup.total() - facts.setup.get(Stage::Prepare),
             "emit+trace": tracing,
             "build": seconds(Stage::Build),
             "eye": seconds(Stage::Eye),

@@ -257,6 +257,12 @@ impl StageTimings {
         self.0[stage as usize]
     }
 
+    /// Seconds spent in all stages but [`Stage::Compile`], which later passes do not repeat.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        Stage::ALL.into_iter().filter(|&stage| stage != Stage::Compile).map(|stage| self.get(stage)).sum()
+    }
+
     /// Adds seconds to `stage`.
     pub fn add(&mut self, stage: Stage, seconds: f64) {
         self.0[stage as usize] += seconds;

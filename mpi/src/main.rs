@@ -7,19 +7,21 @@ use std::time::Instant;
 use clap::{CommandFactory, FromArgMatches};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, Root};
-use photon_core::{Bandwidth, Blocks, Budget, Film, Pipeline, Render, Settings, View};
+use photon_core::{Bandwidth, Blocks, Budget, ErrorTarget, Film, Pipeline, Render, Settings, View};
 use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
 use photonmap_cli::args::RenderArgs;
 use photonmap_cli::backend::{self, Chosen};
 use photonmap_cli::fault::Fault;
+use photonmap_cli::forecast_text::error_line;
 use photonmap_cli::png_file::{self, Picture};
 use photonmap_cli::{atomic_write, exposure, exr_file, load};
 use photonmap_mpi::{Checkpoints, Outcome, render};
 
 const ABOUT: &str = "Render a scene on the ranks of an MPI job, which add their films in a fixed order.
 
-Each rank renders blocks of --grain passes. Passes are given by --passes; with --film the render is continued, and the film \
+Each rank renders blocks of --grain passes. Passes are given by --passes or \
+--target-error; with --film the render is continued, and the film \
 is that of `photonmap render` with the same grain, bit by bit, if all devices are of one kind. Start it with mpirun --bind-to \
 none, or give --threads: otherwise a rank may be bound to one core.";
 
@@ -54,7 +56,7 @@ fn main() -> ExitCode {
 fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
     let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     check(args, &settings)?;
-    let blocks = blocks(args)?;
+    let blocks = blocks(args, &settings)?;
     let (scene, _) = load::scene(&args.scene)?;
     let view = args.settings.picture.view(&scene)?;
     let mut renderer = start(world, args, &scene, view, &settings)?;
@@ -78,18 +80,21 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
         info.in_order = known.in_order && known.makers.iter().all(|maker| maker.backend == facts.backend);
         (info.makers, film) = (known.makers, Some(found));
     }
-    let Some(remaining) = first_of(world, remaining)? else {
+    let Some(remaining) = first_of(world, remaining, blocks.target())? else {
         return film.map_or(Ok(()), |film| pictures(args, &film));
     };
     let begun = Instant::now();
     let mut file = File { path: root, info, args, begun, written: begun, maker: &maker };
     let identity = (settings.seed, settings.errors);
     let outcome = render(world, &mut *renderer, &remaining, identity, film, &mut (), &mut file)?;
-    let Outcome { film: Some(film), passes, stopped } = outcome else { return Ok(()) };
+    let Outcome { film: Some(film), passes, stopped, reached, .. } = outcome else { return Ok(()) };
     if root.is_some() {
         file.write(&film)?;
     }
     pictures(args, &film)?;
+    if let Some(reached) = &reached {
+        eprintln!("{}", error_line("result", reached));
+    }
     let (ranks, seconds) = (world.size(), begun.elapsed().as_secs_f64());
     let stopped = if stopped { ", interrupted" } else { "" };
     eprintln!("{passes} passes on {ranks} ranks in {seconds:.1} s{stopped}; the film has {}", film.passes);
@@ -103,7 +108,6 @@ fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault> {
     let (budget, watch) = (&args.settings.budget, &args.watch);
     let refused = [
         ("--time", budget.time.is_some()),
-        ("--target-error", budget.target_error.is_some()),
         ("--total-photons", budget.total_photons.is_some()),
         ("--memory", args.machine.memory.is_some()),
         ("--json", args.files.json.is_some()),
@@ -114,17 +118,24 @@ fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault> {
         ("--bandwidth per-pixel", settings.bandwidth == Bandwidth::PerPixel),
     ];
     match refused.iter().find(|(_, given)| *given) {
-        Some((option, _)) => {
-            Err(Fault::input(format!("{option}: is not possible on several ranks; leave it out, and give --passes")))
-        }
+        Some((option, _)) => Err(Fault::input(format!(
+            "{option}: is not possible on several ranks; leave it out, and give --passes or --target-error"
+        ))),
         None => Ok(()),
     }
 }
 
-fn blocks(args: &RenderArgs) -> Result<Blocks, Fault> {
-    let plan = args.settings.plan(None);
-    let Budget::Passes(count) = plan.until else { return Err(Fault::input("--passes: is needed")) };
-    Ok(Blocks::new(plan.first..plan.first.saturating_add(count), args.film.grain.unwrap_or(1))?)
+fn blocks(args: &RenderArgs, settings: &Settings) -> Result<Blocks, Fault> {
+    let (plan, grain) = (args.settings.plan(None), args.film.grain.unwrap_or(1).max(1));
+    let passes = |count: u32| Blocks::new(plan.first..plan.first.saturating_add(count), grain);
+    match (plan.until, plan.most_passes) {
+        (Budget::Passes(count), _) => Ok(passes(count)?),
+        (Budget::Error { target, share_of_pixels }, most) => {
+            let count = most.unwrap_or_else(|| plan.passes() - plan.passes() % grain);
+            Ok(passes(count)?.with_target(ErrorTarget::new(target, share_of_pixels, settings)?))
+        }
+        _ => Err(Fault::input("--passes: is needed, or --target-error")),
+    }
 }
 
 /// The renderer of this rank: with several devices, each rank of a host takes the next one.
@@ -157,11 +168,19 @@ fn stored(path: &Path) -> Result<Option<(Film, FilmInfo)>, Fault> {
 }
 
 /// The blocks that remain on rank 0, for all ranks.
-fn first_of(world: &SimpleCommunicator, remaining: Option<Blocks>) -> Result<Option<Blocks>, Fault> {
+fn first_of(
+    world: &SimpleCommunicator,
+    remaining: Option<Blocks>,
+    target: Option<ErrorTarget>,
+) -> Result<Option<Blocks>, Fault> {
     let mut words = remaining.map_or([0; 3], |blocks| [blocks.passes().start, blocks.passes().end, blocks.grain()]);
     world.process_at_rank(0).broadcast_into(&mut words);
     let [start, end, grain] = words;
-    Ok(if end > start { Some(Blocks::new(start..end, grain)?) } else { None })
+    let with_target = |blocks: Blocks| match target {
+        Some(target) => blocks.with_target(target),
+        None => blocks,
+    };
+    Ok(if end > start { Some(with_target(Blocks::new(start..end, grain)?)) } else { None })
 }
 
 /// Writes the pictures of the film.

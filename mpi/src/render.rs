@@ -3,13 +3,16 @@
 use mpi::collective::SystemOperation;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
-use photon_core::{Blocks, Error, Film, Observer, PassSet, Render, Result, render_blocks};
+use photon_core::{Blocks, Error, ErrorTarget, Film, Forecast, Observer, PassSet, Render, Result, render_blocks};
 
 use crate::exchange::Sums;
 
 /// Results of a render, on each rank.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Outcome {
+    /// The last forecast, on rank 0, if the blocks have a target.
+    pub reached: Option<Forecast>,
     /// The film, on rank 0; `None` on others, and if no block was finished.
     pub film: Option<Film>,
     /// Passes that were added.
@@ -40,7 +43,8 @@ impl Checkpoints for () {
 /// radii of rank 0. `seed` is that of the settings, `errors` whether films have error statistics.
 ///
 /// A round is one block for each rank. If an observer stops a rank, or there is an error, all stop after the round, and the
-/// blocks before the first that is not whole are in the film. `film` of rank 0 is continued; those of others are ignored.
+/// blocks before the first that is not whole are in the film. If the blocks have a target, rounds also end where the film is
+/// to be examined, so that it ends at the same pass for any number of ranks. `film` of rank 0 is continued; those of others are ignored.
 /// `checkpoints` is asked on rank 0.
 ///
 /// # Errors
@@ -65,10 +69,35 @@ pub fn render(
     if continued {
         sums.scatter(film.as_ref());
     }
+    let mut found = film.as_ref().map_or(0, |film| film.passes);
+    root.broadcast_into(&mut found);
     let mut contains = film.map_or_else(PassSet::default, |film| film.contains);
     let (mut outcome, mut failure, mut empty_sums) = (Outcome::default(), None, !continued);
-    let starts: Vec<u32> = blocks.passes().step_by(blocks.grain() as usize).collect();
-    for round in starts.chunks(ranks) {
+    let examine = |sums: &Sums<'_>, contains: &PassSet, outcome: &mut Outcome| -> Result<bool> {
+        let Some(target) = blocks.target() else { return Ok(false) };
+        if ErrorTarget::next_look(found + outcome.passes, blocks.grain()) != found + outcome.passes {
+            return Ok(false);
+        }
+        // 0: not yet; 1: small enough; 2: there is an error, which rank 0 returns.
+        let (mut answer, mut error) = (0_i32, None);
+        if let Some(film) = sums.gather((rank == 0).then(|| empty.clone()), contains) {
+            match target.examine(&film, blocks.grain(), film.passes, 0.0) {
+                Ok(forecast) => {
+                    outcome.reached = forecast;
+                    answer = i32::from(forecast.is_some_and(|forecast| forecast.is_reached()));
+                }
+                Err(why) => (answer, error) = (2, Some(why)),
+            }
+        }
+        root.broadcast_into(&mut answer);
+        outcome.stopped |= answer == 2;
+        error.map_or(Ok(answer > 0), Err)
+    };
+    let mut ends = continued && examine(&sums, &contains, &mut outcome)?;
+    let mut start = blocks.passes().start;
+    while !ends && start < blocks.passes().end {
+        let round = round(blocks, start, found + outcome.passes, ranks);
+        start += round.len() as u32 * blocks.grain();
         let mut block = None;
         if let Some(&start) = round.get(rank) {
             let one = Blocks::new(start..start + blocks.grain(), blocks.grain())?;
@@ -94,6 +123,7 @@ pub fn render(
         if outcome.stopped {
             break;
         }
+        ends = examine(&sums, &contains, &mut outcome)?;
         let mut due = rank == 0 && checkpoints.due();
         root.broadcast_into(&mut due);
         if due && let Some(film) = sums.gather((rank == 0).then(|| empty.clone()), &contains) {
@@ -104,6 +134,17 @@ pub fn render(
         outcome.film = sums.gather((rank == 0).then_some(empty), &contains);
     }
     failure.map_or(Ok(outcome), Err)
+}
+
+/// The first passes of the next blocks, at most one for each rank, from `start` on: up to where a film with `done` passes is
+/// examined next.
+fn round(blocks: &Blocks, start: u32, done: u32, ranks: usize) -> Vec<u32> {
+    let look = match blocks.target() {
+        Some(_) => ErrorTarget::next_look(done + 1, blocks.grain()) - done,
+        None => u32::MAX,
+    };
+    let end = blocks.passes().end.min(start.saturating_add(look));
+    (start..end).step_by(blocks.grain() as usize).take(ranks).collect()
 }
 
 /// An empty film of the renderer, which it is left with.

@@ -73,6 +73,31 @@ fn any_number_of_ranks_makes_the_film_of_one_process() {
     }
 }
 
+/// A target error ends the job at the pass of one process, whose film has the same bits; continued between two examinations,
+/// too.
+#[test]
+fn any_number_of_ranks_stops_at_the_same_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let alone = folder.path().join("alone.film");
+    let target = ["--target-error", "0.2", "--share", "0.95"];
+    let args = [&["render"], &SCENE[..], &["--film", alone.to_str().unwrap()], &target].concat();
+    photonmap_cli::command::render::run(&clap::Parser::parse_from(args)).unwrap();
+    let expected = film(&alone);
+    assert!(expected.passes > 8 && expected.passes < 200, "{}", expected.passes);
+    for ranks in 1..=3 {
+        let path = folder.path().join(format!("{ranks}.film"));
+        if ranks == 3 {
+            assert!(render(2, &path, &["--passes", "10"]).output().unwrap().status.success());
+        }
+        for run in ["first", "again"] {
+            let output = render(ranks, &path, &target).output().unwrap();
+            assert!(output.status.success(), "{ranks} ranks, {run}: {}", text(&output));
+            assert!(text(&output).contains("result: after"), "{}", text(&output));
+            assert!(film(&path) == expected, "{ranks} ranks, {run}: {} of {}", film(&path).passes, expected.passes);
+        }
+    }
+}
+
 /// Killed, the job leaves whole films, and the next one ends with the same bits.
 #[test]
 fn a_killed_job_is_continued() {

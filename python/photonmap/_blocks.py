@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import concurrent.futures as futures
 import hashlib
+import itertools
 import os
 import pickle
 import time
@@ -39,14 +40,20 @@ def render_blocks(
     window: int | None,
     retries: int,
     reporter: Reporter,
+    target: tuple[float, float] | None = None,
 ) -> RawFilm:
-    """The film of all passes; `path`: a film file that is continued, and written every `checkpoint` seconds."""
+    """The film of all passes; `path`: a film file that is continued, and written every `checkpoint` seconds.
+
+    `target`: it ends when the estimated error of this share of the pixels is small enough, `(error, share)`. That is decided
+    when the film has a fixed number of passes, whatever the workers have rendered by then.
+    """
     film = RawFilm.load(path) if path is not None and os.path.exists(path) else None
     first, radii = 0, None
     if film is not None and path is not None:
         first, radii = film.next_pass(0, passes, grain, seed, path), film.radii()
-        if first == passes:
+        if first == passes or _is_reached(film, job, target, grain):
             _check_complete(job, film, path, grain)
+            return film
     reporter.add(first)
     starts = range(first, passes, grain)
     if executor is None:
@@ -73,6 +80,8 @@ def render_blocks(
                 written = time.monotonic()
             if executor is not None and not reporter.add(grain):
                 break
+            if _is_reached(film, job, target, grain):
+                break
     finally:
         # Blocks that were finished before an error or Ctrl-C are kept.
         blocks.close()
@@ -81,6 +90,10 @@ def render_blocks(
     if film is None:
         raise DeviceError("stopped before a block of passes was finished")
     return film
+
+
+def _is_reached(film: RawFilm, job: Job, target: tuple[float, float] | None, grain: int) -> bool:
+    return target is not None and film.is_reached(job.settings, *target, grain)
 
 
 def _check_complete(job: Job, film: RawFilm, path: str, grain: int) -> None:
@@ -116,8 +129,9 @@ def _remote(
     make: Callable[[], Any] | None = None if hasattr(executor, "submit") else executor
     pool = executor if make is None else make()
     room = window or 2 * _workers(pool)
-    # Blocks that are still to be asked for, the next one last.
-    waiting = list(reversed(starts))
+    upcoming = iter(starts)
+    # Blocks to ask for before these: those that were lost, the first one last.
+    waiting: list[int] = []
     running: dict[Any, int] = {}
     early: dict[int, RawFilm] = {}
     losses: Counter[int] = Counter()
@@ -137,7 +151,11 @@ def _remote(
         for expected in starts:
             while expected not in early:
                 try:
-                    while waiting and len(running) + len(early) < room:
+                    while len(running) + len(early) < room:
+                        if not waiting:
+                            waiting.extend(itertools.islice(upcoming, 1))
+                        if not waiting:
+                            break
                         running[pool.submit(work, payload, key, waiting[-1], grain, radii)] = waiting[-1]
                         waiting.pop()
                     done, _ = futures.wait(list(running), timeout=1.0, return_when=futures.FIRST_COMPLETED)

@@ -63,7 +63,8 @@ def render(
     `film`: a .film file, which is continued if it exists, and written every `checkpoint` seconds and at the end. `executor`: a
     `concurrent.futures.Executor`, or a function that makes one if it breaks, whose workers render blocks of `grain` passes.
     At most `window` blocks are kept in memory, and a block that is lost with its worker is asked for again, up to `retries`
-    times. The bits depend on scene, settings, passes and grain (default 1) alone.
+    times. The bits depend on scene, settings, passes and grain (default 1) alone, and so does the number of passes until a
+    `target_error`: the film is examined at fixed numbers of passes, and what workers rendered beyond is discarded.
     """
     width, height = _size(size)
     if settings is not None and preset is not None:
@@ -78,11 +79,14 @@ def render(
         passes = _whole("passes", passes, 2**32 - 2)
     elif time is None and target_error is None:
         passes = DEFAULT_PASSES if preset is None else preset_passes(preset)
+    error = None if target_error is None else (number("target_error", target_error), number("share", share))
+    in_all = passes or DEFAULT_PASSES
     in_blocks = film is not None or executor is not None or grain is not None
     if in_blocks:
-        _check_blocks(time, target_error, chosen)
+        _check_blocks(time, chosen)
         grain = 1 if grain is None else _whole("grain", grain, 2**32 - 2)
-        check_blocks(0, passes or DEFAULT_PASSES, grain)
+        in_all = (2**32 - 2) // grain * grain if passes is None else passes
+        check_blocks(0, in_all, grain)
     if film is not None:
         _check_film(os.fspath(film))
     if executor is not None:
@@ -97,7 +101,7 @@ def render(
             raw = render_blocks(
                 job,
                 chosen.seed,
-                passes or DEFAULT_PASSES,
+                in_all,
                 grain or 1,
                 path=None if film is None else os.fspath(film),
                 checkpoint=number("checkpoint", checkpoint),
@@ -105,10 +109,10 @@ def render(
                 window=None if window is None else _whole("window", window, 2**31),
                 retries=operator.index(retries),
                 reporter=reporter,
+                target=error,
             )
         else:
             reporter.add(0)
-            error = None if target_error is None else (number("target_error", target_error), number("share", share))
             raw, _ = job.renderer().render(passes, None if time is None else number("time", time), error, reporter)
     finally:
         reporter.close()
@@ -131,14 +135,13 @@ def _scene(scene: Any, overrides: str | os.PathLike[str] | None) -> Scene:
     return opened
 
 
-def _check_blocks(time: float | None, target_error: float | None, settings: Settings) -> None:
+def _check_blocks(time: float | None, settings: Settings) -> None:
     """What would make passes depend on time, or on each other."""
-    for name, given in [("time", time), ("target_error", target_error)]:
-        if given is not None:
-            raise InputError(
-                f"{name}: with film, grain or executor, the passes must not depend on when and where they are rendered; give "
-                "passes instead"
-            )
+    if time is not None:
+        raise InputError(
+            "time: with film, grain or executor, the passes must not depend on when and where they are rendered; give "
+            "passes or target_error instead"
+        )
     if settings.bandwidth == "per-pixel":
         raise InputError(
             'bandwidth "per-pixel": passes then depend on all passes before them; with film, grain or executor, use '

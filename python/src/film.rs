@@ -5,7 +5,7 @@ use std::path::Path;
 
 use numpy::{IntoPyArray, PyArray1};
 use photonmap::film::{FilmInfo, load, load_from, save, save_to};
-use photonmap::{Blocks, Film, Layer};
+use photonmap::{Blocks, ErrorTarget, Film, Layer};
 use photonmap_cli::exposure::{Exposure, measured};
 use photonmap_cli::png_file::{self, Picture};
 use photonmap_cli::tonemap::ToneMap;
@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::error::Failure;
+use crate::settings::parse;
 
 /// Sums of passes.
 #[pyclass(module = "photonmap._photonmap")]
@@ -151,6 +152,17 @@ impl RawFilm {
     fn next_pass(&self, first: u32, end: u32, grain: u32, seed: u64, path: &str) -> PyResult<u32> {
         next(Blocks::new(first..end, grain), Some(&self.film), seed)
             .map_err(|error| Failure::input(format!("{path}: {error}")).into())
+    }
+
+    /// Whether the film of blocks of `grain` passes is to be examined now, and the error of this share of the pixels is at most
+    /// `target`.
+    fn is_reached(&self, py: Python<'_>, settings: &str, target: f64, share: f64, grain: u32) -> PyResult<bool> {
+        let settings = parse(settings)?;
+        Ok(py.detach(|| {
+            let target = ErrorTarget::new(target, share, &settings)?;
+            let forecast = target.examine(&self.film, grain, self.film.passes, 0.0).map_err(Failure::from)?;
+            Ok::<_, Failure>(forecast.is_some_and(|forecast| forecast.is_reached()))
+        })?)
     }
 
     /// Raises an error unless a film can be continued by the passes of `other`.

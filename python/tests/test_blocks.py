@@ -75,6 +75,40 @@ def test_threads_and_a_window_of_one(expected):
         assert [progress.passes for progress in seen] == [0, 2, 4, 6, 8]
 
 
+def test_a_target_stops_workers_at_the_pass_of_one_process(tmp_path):
+    job = {"scene": "cornell", "size": (16, 12), "photons": 3000, "grain": 2, "share": 0.8}
+    errors = {passes: _error(job, passes) for passes in (8, 16, 24, 32)}
+    job["target_error"] = min(errors[16], errors[24], errors[32])
+    assert job["target_error"] < errors[8]
+    alone = pm.render(**job)
+    assert alone.passes == next(passes for passes, error in errors.items() if error <= job["target_error"])
+    for workers in (1, 2, 3):
+        with ProcessPoolExecutor(workers, mp_context=get_context("fork")) as pool:
+            assert bits(pm.render(**job, executor=pool)) == bits(alone)
+    # Continued between two examinations; then there is nothing to do.
+    path = tmp_path / "a.film"
+    begun = {name: value for name, value in job.items() if name not in ("target_error", "share")}
+    pm.render(**begun, errors=True, passes=10, film=path)
+    assert bits(pm.render(**job, film=path)) == bits(alone)
+    assert bits(pm.render(**job, film=path)) == bits(alone)
+    # A limit that ends it before.
+    assert pm.render(**job, passes=12).passes == 12
+    with pytest.raises(pm.InputError, match="time: .*target_error"):
+        pm.render(**begun, time=1)
+
+
+def _error(job, passes):
+    """The smallest target that so many passes reach, by bisection."""
+    job = {name: value for name, value in job.items() if name != "share"}
+    film = pm.render(**job, passes=passes, errors=True)._raw
+    settings = pm.Settings(photons=job["photons"], errors=True).to_json()
+    low, high = 1e-3, 10.0
+    while high > low * 1.001:
+        middle = (low * high) ** 0.5
+        low, high = (low, middle) if film.is_reached(settings, middle, 0.8, 2) else (middle, high)
+    return high
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
 def test_a_killed_worker_changes_nothing(expected):
     made = []

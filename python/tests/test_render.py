@@ -176,7 +176,7 @@ def test_a_scene_of_a_file(tmp_path):
         (lambda: pm.render("cornell", film="a.exr"), ["a.exr", ".film"]),
         (lambda: pm.render("cornell", grain=3, passes=4), ["grain 3"]),
         (lambda: pm.render("cornell", grain=2, time=5), ["time", "passes"]),
-        (lambda: pm.render("cornell", grain=2, target_error=0.1), ["target_error"]),
+        (lambda: pm.render("cornell", grain=2, passes=4, target_error=0), ["target-error", "0"]),
         (lambda: pm.render("cornell", grain=1, errors=True, bandwidth="per-pixel"), ["bandwidth", "shared"]),
         (lambda: pm.render("cornell", grain=1, size=8, photons=10**9, memory=2 * 10**7), ["memory", "photons="]),
         (lambda: pm.render("cornell", executor=5), ["executor is 5"]),

@@ -3,8 +3,8 @@
 use std::ops::{ControlFlow, Range};
 
 use photon_core::{
-    Blocks, Budget, CausticPhotons, Error, Event, Film, PassSet, Pipeline, Render, Settings, View, render,
-    render_blocks, render_blocks_in_parallel,
+    BlockOutcome, Blocks, Budget, CausticPhotons, Error, ErrorTarget, Event, Film, PassSet, Pipeline, Render, Settings,
+    View, render, render_blocks, render_blocks_in_parallel,
 };
 
 use crate::harness::TestBackend;
@@ -14,8 +14,12 @@ fn pipeline<T: TestBackend>() -> Pipeline<T::On> {
     let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
     let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
     let caustic_photons = CausticPhotons::Aimed(2000);
-    let settings = Settings { photons: 3000, caustic_photons, errors: true, seed: 5, ..Settings::default() };
+    let settings = Settings { caustic_photons, ..settings() };
     Pipeline::in_batches(T::make(2), &scene.view(), view, settings, 1500).unwrap()
+}
+
+fn settings() -> Settings {
+    Settings { photons: 3000, errors: true, seed: 5, ..Settings::default() }
 }
 
 /// An observer that asks to stop at the event with this number alone, and counts events.
@@ -33,6 +37,7 @@ pub fn films_of_blocks<T: TestBackend>() {
     single_passes_add_up(&mut renderer);
     a_break_said_once_stops(&mut renderer);
     radii_are_restored(&mut renderer);
+    a_target_ends_blocks::<T>(&mut renderer);
     renderers_share_blocks::<T>(renderer);
 }
 
@@ -137,6 +142,60 @@ fn radii_are_restored(renderer: &mut dyn Render) {
     assert!(blocks(renderer, 0..1, 1, None, 0).0 == expected);
 }
 
+/// A target error ends the render at the same pass, with the same bits: without interruption, continued after one, and on
+/// two devices. A film that has reached it gets no more passes.
+fn a_target_ends_blocks<T: TestBackend>(renderer: &mut dyn Render) {
+    let until =
+        |target| Blocks::new(0..48, 2).unwrap().with_target(ErrorTarget::new(target, 0.9, &settings()).unwrap());
+    let look = ErrorTarget::new(1e-6, 0.9, &settings()).unwrap();
+    let run = |renderer: &mut dyn Render, target, film: &mut Option<Film>, stop_at| {
+        let mut events = 0;
+        let mut observer = once(stop_at, &mut events);
+        render_blocks(renderer, &until(target), film, &mut observer, &mut |_| Ok(())).unwrap()
+    };
+    // The error after 16, 24 and 48 passes; the target lies between the first two.
+    let mut film = None;
+    let mut errors = Vec::new();
+    let mut after_block = |film: &Film| {
+        if [16, 24, 48].contains(&film.passes) {
+            errors.push(look.forecast(film, 48, 1.0).unwrap().error);
+        }
+        Ok(())
+    };
+    let BlockOutcome { outcome, .. } =
+        render_blocks(renderer, &until(1e-6), &mut film, &mut (), &mut after_block).unwrap();
+    assert_eq!((outcome.passes, outcome.cancelled), (48, false), "a target that is out of reach");
+    assert!(!outcome.reached.unwrap().is_reached() && errors[1] < errors[0] && errors[2] < errors[1], "{errors:?}");
+    assert_eq!((outcome.predicted.unwrap().passes, outcome.reached.unwrap().passes), (8, 48));
+
+    let target = 0.5 * (errors[0] + errors[1]);
+    let mut expected = None;
+    let BlockOutcome { outcome, .. } = run(renderer, target, &mut expected, 0);
+    assert_eq!((outcome.passes, outcome.cancelled), (24, false));
+    assert!(outcome.reached.unwrap().is_reached());
+
+    // Interrupted once between two examinations: 7 passes with 5 events each, and a forecast.
+    let mut film = None;
+    let stopped = run(renderer, target, &mut film, 57).outcome;
+    let passes = film.as_ref().unwrap().passes;
+    assert!(stopped.cancelled && passes > 8 && passes < 16, "{passes}");
+    let rest = until(target).remaining(&film.as_ref().unwrap().contains, 5).unwrap().unwrap();
+    let rest = render_blocks(renderer, &rest, &mut film, &mut (), &mut |_| Ok(())).unwrap().outcome;
+    assert!(film == expected && rest.passes == 24 - passes, "continued");
+    // Nothing more to do.
+    let rest = until(target).remaining(&film.as_ref().unwrap().contains, 5).unwrap().unwrap();
+    let rest = render_blocks(renderer, &rest, &mut film, &mut (), &mut |_| Ok(())).unwrap().outcome;
+    assert!(film == expected && rest.passes == 0 && !rest.cancelled && rest.reached.unwrap().is_reached());
+
+    let mut both: Vec<Box<dyn Render>> = vec![Box::new(pipeline::<T>()), Box::new(pipeline::<T>())];
+    let mut film = None;
+    let BlockOutcome { outcome, .. } =
+        render_blocks_in_parallel(&mut both, &until(target), &mut film, &mut (), &mut |_| Ok(())).unwrap();
+    assert!(film == expected, "on two devices");
+    assert_eq!((outcome.passes, outcome.cancelled), (24, false));
+    assert!(!both.iter_mut().any(|renderer| renderer.film().unwrap().passes > 0), "none is left behind");
+}
+
 /// Two renderers render the film of one, with the radii of the first; renderers with other passes are refused.
 fn renderers_share_blocks<T: TestBackend>(mut one: Pipeline<T::On>) {
     let (expected, _) = blocks(&mut one, 0..6, 1, None, 0);
@@ -152,7 +211,7 @@ fn renderers_share_blocks<T: TestBackend>(mut one: Pipeline<T::On>) {
 
     let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
     let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
-    let fewer = Settings { photons: 2999, errors: true, seed: 5, ..Settings::default() };
+    let fewer = Settings { photons: 2999, ..settings() };
     both[1] = Box::new(Pipeline::new(T::make(2), &scene.view(), view, fewer).unwrap());
     for mut renderers in [both, Vec::new()] {
         let error = render_blocks_in_parallel(&mut renderers, &six, &mut None, &mut (), &mut |_| Ok(())).unwrap_err();

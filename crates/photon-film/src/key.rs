@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use photon_core::{NUMERICS, Render, SceneView, Settings, Units, View, check_size};
+use photon_core::{ErrorTarget, Kernel, NUMERICS, Render, SceneView, Settings, Units, View, check_size};
 use serde::{Deserialize, Serialize};
 
 use crate::error::FilmFileError;
@@ -80,6 +80,27 @@ impl FilmKey {
     /// Names and values of the settings.
     pub fn settings(&self) -> impl Iterator<Item = (&str, &str)> {
         self.settings.iter().map(|(name, value)| (name.as_str(), value.as_str()))
+    }
+
+    /// A target for the error of this film, for [`ErrorTarget::forecast`].
+    ///
+    /// # Errors
+    /// [`photon_core::Error::InvalidSetting`] if target or share is out of range, or errors are not estimated.
+    pub fn error_target(&self, target: f64, share_of_pixels: f64) -> photon_core::Result<ErrorTarget> {
+        let setting = |name| self.settings.get(name).map_or("", String::as_str);
+        let cone = setting("kernel").strip_prefix("Cone { slope: ").and_then(|rest| rest.strip_suffix(" }"));
+        let settings = Settings {
+            errors: setting("errors") == "true",
+            alpha: setting("alpha").parse().unwrap_or(Settings::default().alpha),
+            kernel: match (setting("kernel"), cone.and_then(|slope| slope.parse().ok())) {
+                (_, Some(slope)) => Kernel::Cone { slope },
+                ("Constant", _) => Kernel::Constant,
+                ("Biweight", _) => Kernel::Biweight,
+                _ => Kernel::Epanechnikov,
+            },
+            ..Settings::default()
+        };
+        ErrorTarget::new(target, share_of_pixels, &settings)
     }
 
     /// Conversion to user space and watts.
@@ -229,4 +250,37 @@ fn entries(settings: &Settings) -> BTreeMap<String, String> {
         ("terminator_offset", terminator_offset),
     ];
     entries.into_iter().map(|(name, value)| (name.to_owned(), format!("{value:?}"))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn targets_have_the_settings_of_the_film() {
+        let kernels = [Kernel::Constant, Kernel::Epanechnikov, Kernel::Biweight, Kernel::Cone { slope: 1.1 }];
+        for (kernel, alpha) in kernels.into_iter().zip([0.7, 1.0, 2.0 / 3.0, 0.5]) {
+            let settings = Settings { kernel, alpha, errors: true, ..Settings::default() };
+            let key = FilmKey { settings: entries(&settings), ..blank() };
+            assert_eq!(key.error_target(0.1, 0.5).unwrap(), ErrorTarget::new(0.1, 0.5, &settings).unwrap());
+        }
+        let key = FilmKey { settings: entries(&Settings::default()), ..blank() };
+        assert!(key.error_target(0.1, 0.5).unwrap_err().to_string().contains("errors"));
+    }
+
+    fn blank() -> FilmKey {
+        FilmKey {
+            scene: String::new(),
+            width: 1,
+            height: 1,
+            camera: String::new(),
+            settings: BTreeMap::new(),
+            photons_per_pass: 1,
+            aimed_per_pass: None,
+            units: std::array::from_fn(|_| String::new()),
+            radii: Vec::new(),
+            grain: 1,
+            numerics: NUMERICS,
+        }
+    }
 }

@@ -2,8 +2,9 @@
 
 use photon_core::Forecast;
 
-/// The error so far.
-pub(crate) fn error_line(what: &str, forecast: &Forecast) -> String {
+/// The error so far, as a line that begins with `what`.
+#[must_use]
+pub fn error_line(what: &str, forecast: &Forecast) -> String {
     let Forecast { passes, claimed, error, share, .. } = forecast;
     let within = forecast.target.map_or(String::new(), |target| {
         format!("; {:.1} % of them are within {:.2} %", 100.0 * forecast.within, 100.0 * target)
@@ -16,8 +17,9 @@ pub(crate) fn error_line(what: &str, forecast: &Forecast) -> String {
     )
 }
 
-/// The error of the first passes, and the prediction for more passes.
-pub(crate) fn forecast_lines(forecast: &Forecast, photons: u32) -> String {
+/// The error of the first passes, and the prediction for more passes of `photons` paths each.
+#[must_use]
+pub fn forecast_lines(forecast: &Forecast, photons: u32) -> String {
     // An interval, unless both ends round to the same number.
     let from = |least: String, most: String| if least == most { most } else { format!("{least} to {most}") };
     let cost = |least: u32, most: u32| {

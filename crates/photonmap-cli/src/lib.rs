@@ -11,7 +11,7 @@ pub mod exposure;
 pub mod exr_file;
 pub mod fault;
 pub mod flip;
-mod forecast_text;
+pub mod forecast_text;
 pub mod load;
 pub mod memory;
 pub mod mitsuba;

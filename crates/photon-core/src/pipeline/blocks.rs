@@ -2,10 +2,11 @@
 
 use std::ops::{ControlFlow, Range};
 
-use crate::backend::observer::{Observer, show};
+use crate::backend::observer::{Event, Observer, show};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::film::pass_set::PassSet;
+use crate::pipeline::error_target::{ErrorTarget, Looks};
 use crate::pipeline::render::{Outcome, PassEnd, Render};
 
 /// A range of passes, in blocks of `grain` passes each.
@@ -13,10 +14,11 @@ use crate::pipeline::render::{Outcome, PassEnd, Render};
 /// Floating-point sums depend on their order, which is fixed by the blocks: passes are added in order within each block,
 /// and blocks are added in order. The film is a function of scene, settings, passes and grain alone, and not of where and
 /// when the blocks are rendered. With grain 1, the bits on the CPU are those of [`crate::render`].
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Blocks {
     passes: Range<u32>,
     grain: u32,
+    target: Option<ErrorTarget>,
 }
 
 impl Blocks {
@@ -38,7 +40,26 @@ impl Blocks {
             let value = format!("{text} with grain {grain}");
             return invalid("passes", value, "must begin and end at a multiple of the grain");
         }
-        Ok(Self { passes, grain })
+        Ok(Self { passes, grain, target: None })
+    }
+
+    /// These blocks until the error of the film is small enough: then the later ones are not rendered, and films of blocks
+    /// that are finished early are discarded.
+    #[must_use]
+    pub fn with_target(self, target: ErrorTarget) -> Self {
+        Self { target: Some(target), ..self }
+    }
+
+    /// The error at which rendering ends, if there is one.
+    #[must_use]
+    pub fn target(&self) -> Option<ErrorTarget> {
+        self.target
+    }
+
+    /// Examinations of a film to which these blocks are added.
+    pub(super) fn looks(&self, film: Option<&Film>) -> Looks {
+        let found = film.map_or(0, |film| film.passes);
+        Looks::new(self.target, self.grain, found, self.passes.end - self.passes.start)
     }
 
     /// All passes.
@@ -74,7 +95,7 @@ impl Blocks {
         if range.end % self.grain != 0 {
             return invalid("it ends within a block; render it again");
         }
-        Ok((range.end < self.passes.end).then_some(Self { passes: range.end..self.passes.end, grain: self.grain }))
+        Ok((range.end < self.passes.end).then(|| Self { passes: range.end..self.passes.end, ..self.clone() }))
     }
 }
 
@@ -82,7 +103,7 @@ impl Blocks {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BlockOutcome {
-    /// Results of all passes that were rendered. There are no forecasts.
+    /// Results of all passes that were rendered. Forecasts only if there is a target: the first one and the last.
     pub outcome: Outcome,
     /// The passes of the block in which the observer stopped it, which are not in the film; `None` if there are none.
     /// Its only pass may be cut short.
@@ -90,7 +111,8 @@ pub struct BlockOutcome {
 }
 
 /// Renders blocks and adds each to `film`, in order; `None` is an empty film. After each block, `after_block` gets the
-/// film, and may store it.
+/// film, and may store it. With a target ([`Blocks::with_target`]), it ends when the error of the film is small enough,
+/// which may be so at the beginning.
 ///
 /// The film of the renderer has to be empty, and is empty afterwards.
 ///
@@ -106,11 +128,22 @@ pub fn render_blocks(
     after_block: &mut dyn FnMut(&Film) -> Result<()>,
 ) -> Result<BlockOutcome> {
     let mut results = BlockOutcome::default();
+    let looks = blocks.looks(film.as_ref());
+    if let Some(film) = &*film
+        && let Some(end) = forecast(film, &looks, observer, &mut results.outcome)?
+    {
+        results.outcome.cancelled = end == End::Stopped;
+        return Ok(results);
+    }
     for start in blocks.passes().step_by(blocks.grain as usize) {
         let (block, flow) = block(renderer, start..start + blocks.grain, observer, &mut results.outcome)?;
         let Some(film) = add(film, block, blocks.grain, &mut results)? else { break };
         after_block(film)?;
-        if flow.is_break() || show(film, observer).is_break() {
+        let end = forecast(film, &looks, observer, &mut results.outcome)?;
+        if end == Some(End::Reached) {
+            break;
+        }
+        if end.is_some() || flow.is_break() || show(film, observer).is_break() {
             results.outcome.cancelled = start + blocks.grain < blocks.passes.end;
             break;
         }
@@ -119,6 +152,27 @@ pub fn render_blocks(
         return Err(Error::Cancelled);
     }
     Ok(results)
+}
+
+/// Why rendering ends before the last block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// The error is small enough.
+    Reached,
+    /// The observer asked to stop.
+    Stopped,
+}
+
+/// Examines the film if it is due, and shows the forecast to the observer.
+pub(super) fn forecast(
+    film: &Film,
+    looks: &Looks,
+    observer: &mut dyn Observer,
+    outcome: &mut Outcome,
+) -> Result<Option<End>> {
+    let Some(forecast) = looks.at(film, outcome)? else { return Ok(None) };
+    let flow = observer.on_event(&Event::Forecast(&forecast));
+    Ok(if forecast.is_reached() { Some(End::Reached) } else { flow.is_break().then_some(End::Stopped) })
 }
 
 /// Adds a block to the film and returns the film; `None` for a block that was stopped, which is kept in `results`.

@@ -1,6 +1,7 @@
 //! One pass, from photons to film, on any backend.
 
 pub(crate) mod blocks;
+pub(crate) mod error_target;
 pub(crate) mod parallel_blocks;
 pub(crate) mod render;
 

@@ -9,7 +9,7 @@ use std::thread;
 use crate::backend::observer::{Event, Observer, PassReport, show};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::pipeline::blocks::{BlockOutcome, Blocks, add, block};
+use crate::pipeline::blocks::{BlockOutcome, Blocks, End, add, block, forecast};
 use crate::pipeline::render::{Outcome, Render};
 
 /// Renders blocks with several renderers of the same scene, view and settings, each in a thread of its own: for example one
@@ -43,6 +43,13 @@ fn run(
     observer: &mut dyn Observer,
     after_block: &mut dyn FnMut(&Film) -> Result<()>,
 ) -> Result<BlockOutcome> {
+    let mut results = BlockOutcome::default();
+    if let Some(film) = &*film
+        && let Some(end) = forecast(film, &blocks.looks(Some(film)), observer, &mut results.outcome)?
+    {
+        results.outcome.cancelled = end == End::Stopped;
+        return Ok(results);
+    }
     let queue = Queue::new(blocks.clone(), renderers.len());
     let (sender, messages) = channel();
     thread::scope(|scope| {
@@ -199,7 +206,8 @@ fn collect(
 ) -> Result<BlockOutcome> {
     let mut results = BlockOutcome::default();
     let mut waiting = BTreeMap::new();
-    let mut failure = None;
+    let (mut failure, mut is_reached) = (None, false);
+    let looks = queue.blocks.looks(film.as_ref());
     // Number of the next block to add; `None` after one that is not whole.
     let mut next = Some(0);
     for message in messages {
@@ -223,9 +231,22 @@ fn collect(
             let (block, outcome) = *block;
             results.outcome.add_all(outcome);
             let added = add(film, block, queue.blocks.grain(), &mut results);
-            let whole = added
-                .and_then(|film| film.map(|film| after_block(film).map(|()| show(film, &mut *observer))).transpose());
+            let whole = match added {
+                Ok(Some(film)) => {
+                    is_reached = false;
+                    after_block(film).and_then(|()| forecast(film, &looks, &mut *observer, &mut results.outcome)).map(
+                        |end| {
+                            is_reached = end == Some(End::Reached);
+                            Some(if end.is_some() { ControlFlow::Break(()) } else { show(film, &mut *observer) })
+                        },
+                    )
+                }
+                Ok(None) => Ok(None),
+                Err(error) => Err(error),
+            };
             next = match whole {
+                // The blocks that are finished already are discarded.
+                Ok(Some(_)) if is_reached => None,
                 Ok(Some(flow)) => {
                     if flow.is_break() {
                         queue.stop();
@@ -252,7 +273,7 @@ fn collect(
     }
     let passes = queue.blocks.passes();
     let all = (passes.end - passes.start) / queue.blocks.grain();
-    results.outcome.cancelled = next != Some(all);
+    results.outcome.cancelled = next != Some(all) && !is_reached;
     Ok(results)
 }
 

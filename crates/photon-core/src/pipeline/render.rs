@@ -10,6 +10,7 @@ use crate::backend::tally::Tally;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::film::forecast::{ErrorModel, Forecast};
+use crate::pipeline::error_target::ErrorTarget;
 use crate::requirements::Requirements;
 use crate::settings::budget::{Budget, Plan};
 
@@ -158,9 +159,6 @@ const SHARE: f64 = 0.95;
 /// Number of passes before the first forecast.
 const FORECAST_PASSES: u32 = 8;
 
-/// Number of passes after which some pixel must have an error estimate.
-const GIVE_UP: u32 = 256;
-
 /// Renders passes until the budget is spent or the observer asks to stop.
 ///
 /// # Errors
@@ -231,7 +229,7 @@ fn patience(renderer: &mut dyn Render, passes: u32) -> Result<()> {
     if passes == FORECAST_PASSES && renderer.film()?.errors.is_none() {
         return refuse("set", "it needs error estimates: enable Settings::errors");
     }
-    if passes >= GIVE_UP {
+    if passes >= ErrorTarget::GIVE_UP {
         return refuse("set", "no pixel has an error estimate after hundreds of passes: more photons are needed");
     }
     Ok(())

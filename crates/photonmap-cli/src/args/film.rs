@@ -13,8 +13,8 @@ use super::values::duration;
 pub struct FilmArgs {
     /// Keep the sums of all passes in this file, .film; if it exists, the render is continued from it.
     ///
-    /// The result is the same as without interruption, bit by bit. Passes are given by --passes or --total-photons; radii
-    /// that were derived are those in the file.
+    /// The result is the same as without interruption, bit by bit. It ends as --passes, --total-photons or
+    /// --target-error say; radii that were derived are those in the file.
     #[arg(long, value_name = "FILE")]
     pub film: Option<PathBuf>,
     /// How often the film file is written: a time such as 30s, 5min or 1h; 0s: after every block.

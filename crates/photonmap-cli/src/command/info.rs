@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use photon_film::FilmInfo;
 
+use crate::command::outlook::TargetArgs;
 use crate::fault::Fault;
 use crate::stdout;
 
@@ -15,14 +16,17 @@ pub struct InfoArgs {
     /// The film file.
     #[arg(value_name = "FILE.film")]
     film: PathBuf,
+    #[command(flatten)]
+    target: TargetArgs,
 }
 
-/// Prints the description; the pixels are not read.
+/// Prints the description; the pixels are not read without a target.
 ///
 /// # Errors
-/// [`Fault::Input`] for a file that is no film.
+/// [`Fault::Input`] for a file that is no film, or a target that does not fit it; [`Fault::Failure`] if there is no forecast.
 pub fn run(args: &InfoArgs) -> Result<(), Fault> {
-    stdout::write(text(&photon_film::read_info(&args.film)?).as_bytes())
+    stdout::write(text(&photon_film::read_info(&args.film)?).as_bytes())?;
+    args.target.print(&args.film)
 }
 
 fn text(info: &FilmInfo) -> String {

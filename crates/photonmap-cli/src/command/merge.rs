@@ -5,12 +5,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::command::outlook::TargetArgs;
 use crate::fault::Fault;
 
 /// Add the passes of film files of one picture, such as those of a job array.
 ///
 /// The films must have the same scene, view and settings, and no pass in common. Memory: at most 24 bytes for each pixel,
-/// for any number of films.
+/// for any number of films; with --target-error, that of the film.
 #[derive(Clone, Debug, Args)]
 pub struct MergeArgs {
     /// The film file to write; may be one of the others.
@@ -19,6 +20,8 @@ pub struct MergeArgs {
     /// The film files to add, in any order.
     #[arg(value_name = "FILE.film", required = true)]
     films: Vec<PathBuf>,
+    #[command(flatten)]
+    target: TargetArgs,
 }
 
 /// Merges the films.
@@ -36,5 +39,5 @@ pub fn run(args: &MergeArgs) -> Result<(), Fault> {
     }
     let (films, passes) = (args.films.len(), info.contains.count());
     eprintln!("wrote {}: {passes} passes of {films} films ({})", args.output.display(), info.contains);
-    Ok(())
+    args.target.print(&args.output)
 }

@@ -9,6 +9,7 @@ pub mod manual;
 pub mod map;
 mod map_search;
 pub mod merge;
+pub mod outlook;
 pub mod picture;
 pub mod render;
 mod render_blocks;

@@ -65,7 +65,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let renderer = &*renderers[0];
     let device = render_blocks::devices(&renderers);
     let grain = if render_blocks::in_blocks(args) {
-        Some(render_blocks::blocks(args, settings.photons, renderers.len())?.grain())
+        Some(render_blocks::blocks(args, &settings, settings.photons, renderers.len())?.grain())
     } else {
         None
     };

@@ -1,16 +1,19 @@
 //! Rendering in blocks of passes: into a film file, or on several devices.
+#![expect(clippy::print_stderr, reason = "the reached error goes to standard error")]
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use photon_core::{
-    Bandwidth, BlockOutcome, Blocks, Budget, Event, Film, Outcome, Render, Settings, render_blocks_in_parallel,
+    Bandwidth, BlockOutcome, Blocks, Budget, ErrorTarget, Event, Film, Outcome, Render, Settings,
+    render_blocks_in_parallel,
 };
 
 use crate::args::RenderArgs;
 use crate::backend::BackendName;
 use crate::fault::Fault;
+use crate::forecast_text::{error_line, forecast_lines};
 use crate::progress::{Limit, Progress};
 use crate::watch::{Watch, Watching};
 
@@ -37,12 +40,11 @@ pub(super) fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault>
         (None, None) => return Ok(()),
     };
     let budget = &args.settings.budget;
-    for (option, given) in [("--time", budget.time.is_some()), ("--target-error", budget.target_error.is_some())] {
-        if given {
-            return Err(Fault::input(format!(
-                "{option}: the passes of blocks must not depend on when they are rendered; with {with}, give --passes"
-            )));
-        }
+    if budget.time.is_some() {
+        return Err(Fault::input(format!(
+            "--time: the passes of blocks must not depend on when they are rendered; with {with}, give --passes or \
+             --target-error"
+        )));
     }
     if settings.bandwidth == Bandwidth::PerPixel {
         return Err(Fault::input(format!(
@@ -50,12 +52,16 @@ pub(super) fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault>
              {with}, give --bandwidth shared"
         )));
     }
-    blocks(args, settings.photons, devices.len()).map(|_| ())
+    blocks(args, settings, settings.photons, devices.len()).map(|_| ())
 }
 
+/// Passes in a block if there is neither a grain nor a number of passes, with several devices.
+const OPEN_GRAIN: u32 = 8;
+
 /// The blocks that the options ask for, with this many paths per pass.
-pub(super) fn blocks(args: &RenderArgs, photons: u32, devices: usize) -> Result<Blocks, Fault> {
+pub(super) fn blocks(args: &RenderArgs, settings: &Settings, photons: u32, devices: usize) -> Result<Blocks, Fault> {
     let plan = args.settings.plan(None);
+    let is_open = matches!(plan.until, Budget::Error { .. }) && plan.most_passes.is_none();
     let count = match plan.until {
         Budget::Photons(all) => {
             let passes = u32::try_from(all.div_ceil(u64::from(photons.max(1)))).unwrap_or(u32::MAX);
@@ -67,9 +73,17 @@ pub(super) fn blocks(args: &RenderArgs, photons: u32, devices: usize) -> Result<
     let grain = match (args.film.grain, &args.film.film) {
         (Some(grain), _) => grain,
         (None, Some(_)) => 1,
+        (None, None) if is_open => OPEN_GRAIN,
         (None, None) => usual_grain(plan.first, count, devices),
     };
-    Ok(Blocks::new(plan.first..plan.first + count, grain)?)
+    let count = if is_open { count - count % grain.max(1) } else { count };
+    let blocks = Blocks::new(plan.first..plan.first + count, grain)?;
+    Ok(match plan.until {
+        Budget::Error { target, share_of_pixels } => {
+            blocks.with_target(ErrorTarget::new(target, share_of_pixels, settings)?)
+        }
+        _ => blocks,
+    })
 }
 
 /// The largest grain that divides the passes such that there are two blocks for each device at least, if possible: so the
@@ -114,7 +128,7 @@ pub(super) fn run(
     stop: &AtomicBool,
 ) -> Result<(Outcome, Film), Fault> {
     check_memory(renderers[0].facts().photons, settings)?;
-    let blocks = blocks(args, settings.photons, renderers.len())?;
+    let blocks = blocks(args, settings, settings.photons, renderers.len())?;
     let mut film = None;
     let BlockOutcome { outcome, unfinished, .. } = remaining(renderers, &blocks, &mut film, (watch, stop), |_, _| ())?;
     Ok((outcome, film.or(unfinished).ok_or(photon_core::Error::Cancelled)?))
@@ -129,13 +143,20 @@ pub(super) fn remaining(
     mut after_block: impl FnMut(&Film, &Progress),
 ) -> photon_core::Result<BlockOutcome> {
     let passes = blocks.passes();
-    let progress = RefCell::new(Progress::new(Limit::Passes(passes.end - passes.start)));
-    let mut done = 0;
+    let count = passes.end - passes.start;
+    // Without --passes, a target has hardly any limit.
+    let is_open = blocks.target().is_some() && count > u32::MAX / 2;
+    let progress = RefCell::new(Progress::new(if is_open { Limit::Open } else { Limit::Passes(count) }));
+    let (mut done, mut forecast_shown) = (0, false);
+    let photons = renderers[0].facts().photons;
     let inner = |event: &Event<'_>| {
         match event {
             Event::PassDone(_) => {
                 done += 1;
                 progress.borrow_mut().passes(done);
+            }
+            Event::Forecast(forecast) if !forecast.is_reached() && !std::mem::replace(&mut forecast_shown, true) => {
+                progress.borrow().say(&forecast_lines(forecast, photons));
             }
             Event::Warning(text) => progress.borrow().say(&format!("warning: {text}")),
             _ => {}
@@ -153,6 +174,9 @@ pub(super) fn remaining(
         _ => render_blocks_in_parallel(renderers, blocks, film, &mut observer, &mut after_block),
     };
     progress.into_inner().finish();
+    if let Ok(BlockOutcome { outcome: Outcome { reached: Some(reached), .. }, .. }) = &results {
+        eprintln!("{}", error_line("result", reached));
+    }
     results
 }
 

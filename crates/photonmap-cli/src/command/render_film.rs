@@ -47,7 +47,7 @@ pub(super) fn run(
     let renderer = &mut *renderers[0];
     let facts = renderer.facts();
     render_blocks::check_memory(facts.photons, settings)?;
-    let blocks = render_blocks::blocks(args, facts.photons, 1)?;
+    let blocks = render_blocks::blocks(args, settings, facts.photons, 1)?;
     let stored = match photon_film::load(path) {
         Err(FilmFileError::Read { source, .. }) if source.kind() == ErrorKind::NotFound => None,
         result => Some(result?),

@@ -133,7 +133,6 @@ fn impossible_devices_are_refused() {
     refuse(&["--device", "0", "--backend", "cpu"], "--device");
     refuse(&["--device", "0,,1"], "a name is empty");
     refuse(&["--grain", "2"], "grain 2");
-    refuse(&["--grain", "2", "--target-error", "0.1"], "--target-error");
     refuse(&["--device", "nonsense"], "--device nonsense");
 }
 

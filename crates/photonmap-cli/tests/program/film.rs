@@ -107,6 +107,45 @@ fn a_job_array_is_a_single_render() {
     assert!(film(out) == film(one), "refused merges leave the file");
 }
 
+/// A target error ends a render into a film, at the same pass if it is continued; `merge` and `info` say how many passes are
+/// missing.
+#[test]
+fn a_film_ends_at_a_target_error() {
+    let folder = folder("film-target");
+    let [alone, part, more] = ["alone", "part", "more"].map(|name| folder.join(name).with_extension("film"));
+    let target = ["--target-error", "0.2", "--share", "0.9"];
+    let blocks = ["--grain", "2"];
+    succeeded(&render(&alone, &[&blocks[..], &target].concat()));
+    let expected = film(&alone);
+    assert!(expected.passes > 8 && expected.passes < 100, "{}", expected.passes);
+    succeeded(&render(&part, &[&blocks[..], &["--passes", "6"]].concat()));
+    let output = render(&part, &[&blocks[..], &target].concat());
+    succeeded(&output);
+    assert!(stderr(&output).contains("predicted: ") && stderr(&output).contains("result: after"), "{output:?}");
+    assert!(film(&part) == expected);
+    // Reached: nothing is rendered.
+    let output = render(&part, &[&blocks[..], &target].concat());
+    assert!(stderr(&output).contains(": 0 passes") && film(&part) == expected, "{output:?}");
+
+    let name = part.to_str().unwrap();
+    let missing = |output: std::process::Output| {
+        succeeded(&output);
+        stdout(&output).lines().last().unwrap().parse::<u32>().unwrap()
+    };
+    assert_eq!(missing(run("info", &[&[name][..], &target].concat())), 0);
+    // Half of the error takes several times as many passes; a job array renders them.
+    let half = ["--target-error", "0.1", "--share", "0.9"];
+    let needed = missing(run("info", &[&[name][..], &half].concat()));
+    assert!(needed >= expected.passes && needed.is_multiple_of(2), "{needed}");
+    let range = format!("{}..{}", expected.passes, expected.passes + 2);
+    succeeded(&render(&more, &[&blocks[..], &["--passes", &range]].concat()));
+    let both = [alone.to_str().unwrap(), name, more.to_str().unwrap()];
+    let after = missing(run("merge", &[&both[..], &half].concat()));
+    assert!(after > 0 && film(&alone).passes == expected.passes + 2, "{after}");
+    refused(&run("info", &[name, "--target-error", "0"]), "target-error");
+    refused(&run("info", &[name, "--share", "0.5"]), "--target-error");
+}
+
 /// What does not fit a film, or cannot be continued with the same bits, is refused by name and leaves the file as it is.
 #[test]
 fn what_does_not_fit_is_refused() {
@@ -114,9 +153,10 @@ fn what_does_not_fit_is_refused() {
     let path = folder.join("a.film");
     succeeded(&render(&path, &["--passes", "4", "--grain", "2"]));
     let before = std::fs::read(&path).unwrap();
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 13] = [
         (&["--time", "5"], "--time: "),
-        (&["--target-error", "0.1"], "--target-error: "),
+        (&["--target-error", "0.1"], "its grain is 2, not 1"),
+        (&["--target-error", "0", "--grain", "2"], "target-error"),
         (&["--bandwidth", "per-pixel"], "--bandwidth shared"),
         (&["--passes", "5", "--grain", "2"], "multiple of the grain"),
         (&["--passes", "8", "--grain", "0"], "grain is 0"),

@@ -37,6 +37,7 @@ pub mod inside;
 pub mod interreflection;
 pub mod lens;
 pub mod many_lights;
+pub mod mirrors_and_glass;
 pub mod nesting;
 pub mod numerics;
 pub mod paper;

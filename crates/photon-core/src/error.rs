@@ -95,8 +95,11 @@ pub enum Error {
     /// The scene has no light with power above 0.
     #[error("no light emits any power; add an emissive material or a light, in the file or in an override file")]
     NoLight,
-    /// No surface can store photons.
-    #[error("no surface can store photons: every material is specular or black; give one a diffuse albedo above 0")]
+    /// No surface can store photons, and no light can be seen.
+    #[error(
+        "no surface can store photons, and no light can be seen: every material is specular or black, and all lights are \
+         points or directions; give a material a diffuse albedo above 0, or add an area light or an environment"
+    )]
     NoReceiver,
     /// No device is suitable.
     #[error("no suitable device: {}; update its driver, choose another device, or use the CPU backend", each(rejected))]

@@ -2,22 +2,22 @@
 
 use crate::error::{Error, Result};
 use crate::requirements::features::Features;
+use crate::requirements::{has_receiver, light_features};
 use crate::scene::SceneView;
-use crate::scene::material::MaterialKind;
 use crate::settings::{Indirect, Settings};
 
-/// At least one light has to emit power, and at least one surface has to scatter light towards the camera that is not
-/// a mirror image: to store photons, or to reflect light that shadow rays find.
+/// Lights that camera paths meet, by themselves or by way of mirrors and glass.
+const VISIBLE: Features = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::SUN);
+
+/// At least one light has to emit power. At least one surface has to store photons or to reflect light that shadow rays find,
+/// or else a light has to be visible: directly, in mirrors or through glass.
 pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
-    let lit = scene.lights.iter().any(|light| light.power.iter().any(|&p| p > 0.0));
-    if !lit {
+    let mut lit = scene.lights.iter().filter(|light| light.power.iter().any(|&p| p > 0.0)).peekable();
+    if lit.peek().is_none() {
         return Err(Error::NoLight);
     }
-    let keeps = scene.primitives.iter().flat_map(|primitive| scene.materials_of(primitive)).any(|material| {
-        let scatters = material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0);
-        scatters || material.kind() == MaterialKind::Glossy || material.is_rough_glass()
-    });
-    if keeps { Ok(()) } else { Err(Error::NoReceiver) }
+    let is_seen = lit.any(|light| light_features(light).intersects(VISIBLE));
+    if is_seen || has_receiver(scene) { Ok(()) } else { Err(Error::NoReceiver) }
 }
 
 /// Precomputed irradiance is relative to the geometric normal, and would lose the shading normals.

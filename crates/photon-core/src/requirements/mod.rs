@@ -54,12 +54,13 @@ impl Requirements {
     /// refuses, indices out of range are skipped.
     #[must_use]
     pub fn of(scene: &SceneView<'_>, settings: &Settings) -> Self {
+        let receives = has_receiver(scene);
         let maps = PerMap::from_fn(|kind| match kind {
-            MapKind::Caustic => reads(settings, kind) && specular_is_lit(scene),
-            MapKind::Direct | MapKind::Global => reads(settings, kind),
+            MapKind::Caustic => receives && reads(settings, kind) && specular_is_lit(scene),
+            MapKind::Direct | MapKind::Global => receives && reads(settings, kind),
         });
         let features = Features::of(scene);
-        let shadow_rays = settings.direct == Direct::Nee;
+        let shadow_rays = receives && settings.direct == Direct::Nee;
         let samples_lights = shadow_rays || features.intersects(Features::FOLLOWED);
         Self {
             features,
@@ -69,7 +70,7 @@ impl Requirements {
             gloss_caustics: maps[MapKind::Caustic] && shows_gloss_caustics(settings) && has_gloss_caustics(scene),
             shadow_rays,
             terminator_offset: settings.terminator_offset && samples_lights && !scene.shading.normals.is_empty(),
-            final_gather: settings.indirect == Indirect::Gather,
+            final_gather: receives && settings.indirect == Indirect::Gather,
             photon_format: PhotonFormat::of(scene, settings),
         }
     }
@@ -149,6 +150,15 @@ impl Features {
         let many = if scene.lights.len() > MAX_LIGHTS { Self::LIGHT_TREE } else { Self::NONE };
         all.without(lit).union(many)
     }
+}
+
+/// Whether some surface is neither a perfect mirror, smooth glass nor black: it stores photons, or reflects light that shadow
+/// rays find. Without one, camera paths alone find the light.
+pub(crate) fn has_receiver(scene: &SceneView<'_>) -> bool {
+    scene.primitives.iter().flat_map(|primitive| scene.materials_of(primitive)).any(|material| {
+        let scatters = material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0);
+        scatters || material.kind() == MaterialKind::Glossy || material.is_rough_glass()
+    })
 }
 
 /// Whether the settings read a map: at visible points, or at the hits of final-gather rays.

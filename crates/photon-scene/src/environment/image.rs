@@ -38,7 +38,7 @@ impl EnvironmentDesc {
                 let what = format!("the texel in column {column}, row {row} is infinite");
                 return Err(desc.fault(what, "limit the values of the image, to 65504 for instance"));
             }
-            report.approximated(subject, format!("{} texels were negative or not a number, and are 0", image.repaired));
+            report.note(subject, format!("{} texels were negative or not a number, and are 0", image.repaired));
         }
         Ok(desc)
     }

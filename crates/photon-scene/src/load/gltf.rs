@@ -54,7 +54,7 @@ use gltf::json::Root;
 use self::accessor::Accessors;
 use self::buffers::Buffers;
 use self::fault::{Fault, label};
-use self::meshes::{Census, Meshes};
+use self::meshes::Meshes;
 use self::texture::Textures;
 pub(in crate::load) use self::uri::leaves_folder;
 use super::light_units::LIGHTS;
@@ -98,7 +98,7 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
         accessors: Accessors::new(&root, &buffers),
         materials,
         default_material: None,
-        census: Census::default(),
+        elements: 0,
         globals: OnceCell::new(),
         skins: BTreeMap::new(),
     };
@@ -125,7 +125,6 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
             punctual::add_light(&root, &part, light, &placed.transform, &mut builder, &mut report)?;
         }
     }
-    meshes.census.report(&mut report);
     // "Khronos glTF Blender I/O v4.2.57"; its lighting mode is not in the file.
     if !builder.lights.is_empty() && root.asset.generator.as_deref().is_some_and(|by| by.contains("Blender")) {
         report.note(
@@ -148,7 +147,7 @@ fn report_rest(root: &Root, report: &mut LoadReport) {
     }
     match root.animations.len() {
         0 => {}
-        count => report.left_out("the file", format!("its {count} animations; the default pose is rendered")),
+        count => report.note("the file", format!("has {count} animations; the default pose is rendered")),
     }
 }
 

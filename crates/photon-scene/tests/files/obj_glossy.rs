@@ -41,7 +41,7 @@ fn highlights() {
     // α = √(2/(30 + 2)) = 1/4.
     let (coat, report) = of("Kd 0.5 0.25 1\nKs 0.2 0.4 0.6\nNs 30");
     assert_eq!(glossy(&coat), ([0.5, 0.25, 1.0], [0.0, 0.5, 0.4, 1.5]));
-    names(&report, &["approximated: material 'a': its highlight (Ks [0.2, 0.4, 0.6], Ns 30) is taken as a coat of"]);
+    names(&report, &["note: material 'a': its highlight (Ks [0.2, 0.4, 0.6], Ns 30) is taken as a coat of"]);
     let (metal, report) = of("Kd 0 0 0\nKs 0.5 2 0.25\nNs 30");
     assert_eq!(glossy(&metal), ([0.5, 1.0, 0.25], [1.0, 0.5, 1.0, 1.5]));
     names(&report, &["is taken as a metal of roughness 0.500"]);

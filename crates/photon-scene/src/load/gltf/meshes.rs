@@ -14,19 +14,12 @@ use super::morph::{self, Morph};
 use super::skin::{self, Skin};
 use super::{attributes, nodes, primitive};
 use crate::builder::{MaterialId, SceneBuilder};
-use crate::load::default_material;
+use crate::describe::MaterialDesc;
 use crate::report::LoadReport;
 
 /// More vertex positions and indices than this, over all instances, are treated as damage: a few
 /// nodes that share a mesh could otherwise request all available memory.
 const MAX_ELEMENTS: u64 = 1 << 28;
-
-/// Counts for the report on all meshes together.
-#[derive(Default)]
-pub(super) struct Census {
-    elements: u64,
-    without_material: u64,
-}
 
 /// Adds the mesh of a node, one mesh of the builder for each primitive.
 pub(super) struct Meshes<'a> {
@@ -34,7 +27,8 @@ pub(super) struct Meshes<'a> {
     pub(super) accessors: Accessors<'a>,
     pub(super) materials: Vec<MaterialId>,
     pub(super) default_material: Option<MaterialId>,
-    pub(super) census: Census,
+    /// Vertices and indices so far.
+    pub(super) elements: u64,
     /// Transforms of all nodes, and the skins read so far, both on first use.
     pub(super) globals: OnceCell<Vec<DMat4>>,
     pub(super) skins: BTreeMap<usize, Rc<Skin>>,
@@ -105,8 +99,8 @@ impl Meshes<'_> {
         let morph = Morph::new(source, weights, part, report)?;
         let times = 1 + morph.len() as u64;
         let size = primitive::size(&self.accessors, source, part)?.saturating_mul(times);
-        self.census.elements = self.census.elements.saturating_add(size);
-        if self.census.elements > MAX_ELEMENTS {
+        self.elements = self.elements.saturating_add(size);
+        if self.elements > MAX_ELEMENTS {
             return Err(Fault::new(
                 part,
                 format!("brings the scene to over {MAX_ELEMENTS} vertices and indices"),
@@ -174,25 +168,10 @@ impl Meshes<'_> {
         Ok(skin)
     }
 
-    /// The grey default material of surfaces without one, the same as in the other loaders.
+    /// The default material of surfaces without one: all properties have the default values of the format.
     fn default_material(&mut self, builder: &mut SceneBuilder) -> MaterialId {
-        self.census.without_material += 1;
-        *self.default_material.get_or_insert_with(|| builder.material(default_material()))
-    }
-}
-
-impl Census {
-    /// Adds the counts to the report.
-    pub(super) fn report(&self, report: &mut LoadReport) {
-        let Self { without_material, .. } = self;
-        if *without_material > 0 {
-            report.approximated(
-                "the file",
-                format!(
-                    "{without_material} meshes have no material and are made a diffuse grey of 0.5 \
-                     named 'default'"
-                ),
-            );
-        }
+        *self
+            .default_material
+            .get_or_insert_with(|| builder.material(MaterialDesc::metal("default", [1.0; 3], 1.0)))
     }
 }

@@ -37,7 +37,7 @@ impl Translation<'_> {
         let roughness = roughness_of(material.shininess.unwrap_or(0.0));
         let is_metal = material.diffuse == Some([0.0; 3]) && textures.base_color.is_none();
         let kind = if is_metal { "metal" } else { "coat" };
-        self.approximated(format!(
+        self.report.note(self.subject(), format!(
             "its highlight (Ks {specular:?}, Ns {}) is taken as a {kind} of roughness {roughness:.3}; kind = \"lambert\" \
              in an override file leaves it out",
             material.shininess.unwrap_or(0.0)

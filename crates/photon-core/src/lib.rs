@@ -58,6 +58,7 @@ pub use scene::material::{Material, MaterialKind, Primitive};
 pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radiance_scale};
 pub use scene::medium::Medium;
 pub use scene::portal::Portal;
+pub use scene::portal_shares::{PortalShares, portal_shares};
 pub use scene::solids::{Locator, Solids};
 pub use scene::texture::{
     Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, OwnedShadingTables,

@@ -11,6 +11,7 @@ pub(crate) mod material;
 pub(crate) mod media;
 pub(crate) mod medium;
 pub(crate) mod portal;
+pub(crate) mod portal_shares;
 pub(crate) mod solids;
 pub(crate) mod texture;
 pub(crate) mod units;

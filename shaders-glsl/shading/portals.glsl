@@ -7,8 +7,8 @@
 
 const bool PORTALS = (FEATURES & FEATURE_PORTALS) != 0u;
 
-const float PORTAL_DISC_SHARE = 0.25;
-const uint PORTAL_DISC_WORDS = 1u << 30;
+const float PORTAL_DISC_SHARE = 0.5;
+const uint PORTAL_DISC_WORDS = 1u << 31;
 const float PORTAL_NO_AREA = 1e-25;
 
 struct Portal {
@@ -100,7 +100,7 @@ float portal_factor(float total, float crossed, float radius) {
 }
 
 float portal_target(uint choice, float total) {
-    precise float target = float((choice - PORTAL_DISC_WORDS) >> 8) * (1.0 / 12582912.0) * total;
+    precise float target = float((choice - PORTAL_DISC_WORDS) >> 8) * (1.0 / 8388608.0) * total;
     return target;
 }
 

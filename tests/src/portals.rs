@@ -59,7 +59,7 @@ enum Lit {
 
 impl Lit {
     /// Irradiance of the roof.
-    fn from_above(self) -> f64 {
+    fn on_the_roof(self) -> f64 {
         match self {
             Self::Environment => PI,
             Self::Sun => 1.0,
@@ -154,10 +154,10 @@ pub fn flux_does_not_depend_on_portals<T: TestBackend>() {
             let size = scene.units().scale as f32;
             let what = |part: &str| format!("{lit:?}, portals {name}: {part}");
             let (entered, error) = flux(&scene, photons, paths, within);
-            assert_agrees(&what("room"), entered, lit.from_above() * AREA, error, 0.0);
+            assert_agrees(&what("room"), entered, lit.on_the_roof() * AREA, error, 0.0);
             let on_roof = |photon: &Photon| photon.position[1] * size > 0.999 && !within(photon);
             let (roof, error) = flux(&scene, photons, paths, on_roof);
-            assert_agrees(&what("roof"), roof, lit.from_above() * (4.0 - AREA), error, 0.0);
+            assert_agrees(&what("roof"), roof, lit.on_the_roof() * (4.0 - AREA), error, 0.0);
             if lit == Lit::Environment {
                 let half = 0.5;
                 let [low, high] = [-half, half].map(|c| c as f32);
@@ -174,7 +174,7 @@ pub fn flux_does_not_depend_on_portals<T: TestBackend>() {
 }
 
 /// The share of the photons that enter: of an even environment, A/(4πR²) of those from the disc, as an opening sees half of
-/// the directions, and half of those through the portal. 56 times as many, here.
+/// the directions, and half of those started through the portal. 59 times as many, here.
 pub fn more_photons_enter<T: TestBackend>() {
     let paths = 60_000;
     let entering = |portals: &[Quad]| {

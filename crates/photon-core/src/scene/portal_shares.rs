@@ -76,7 +76,7 @@ mod tests {
     use crate::scene::portal::Portal;
 
     /// Under an even environment, the mean of |n·ω| over directions is ½: a portal of area A has a share of A/(2πR²). For a
-    /// directional light it is A |n·ω|/(πR²), and of the photons three quarters and a quarter of that pass.
+    /// directional light it is A |n·ω|/(πR²), and of the photons half, and half of that share, pass.
     #[test]
     fn shares_of_a_portal() {
         let portals = [Portal::new([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.0, 0.1]])];
@@ -94,7 +94,7 @@ mod tests {
         let even = portal_shares(&scene).unwrap();
         let part = 0.01 / (2.0 * disc);
         assert!((even.light / part - 1.0).abs() < 1e-3, "{even:?} instead of {part}");
-        assert!((even.photons - (0.75 + 0.25 * part)).abs() < 1e-5, "{even:?}");
+        assert!((even.photons - (0.5 + 0.5 * part)).abs() < 1e-5, "{even:?}");
 
         let direction = [0.0, -0.8, 0.6];
         let sun = [Light { kind: Light::DIRECTIONAL, direction, radius, power: [1.0; 3], ..Light::default() }];

@@ -148,6 +148,20 @@ class Scene:
         radiance = [channel * factor for channel in triple("environment", light)]
         return self._call("environment_constant", radiance)
 
+    def portal(self, opening: Any, *, name: str = "portal") -> Scene:
+        """Declares an opening, such as a window, where photons of light from infinitely far away start more often.
+
+        `opening`: three corners, or four of a quadrilateral, (3, 3) or (4, 3); or the name of a mesh or material whose
+        triangles fill it. It affects noise alone, wherever it is.
+        """
+        if isinstance(opening, str):
+            return self._call("portal_named", opening)
+        if np.shape(opening) not in ((3, 3), (4, 3)):
+            raise InputError(f"{name!r}: the opening has the shape {np.shape(opening)}, but must have (3, 3) or (4, 3)")
+        corners = [vector(f"a corner of {name!r}", corner) for corner in opening]
+        order = (0, 1, 2) if len(corners) == 3 else (0, 1, 2, 0, 2, 3)
+        return self._call("portal", name, [corners[index] for index in order])
+
     def camera(
         self,
         position: Any,

@@ -178,6 +178,17 @@ impl RawBuilder {
         self.environment(&EnvironmentDesc::image("array", width, texels), rotate, scale)
     }
 
+    /// The triangles of an opening, three corners each, flat.
+    fn portal(&mut self, name: &str, corners: Vec<[f64; 3]>) {
+        let (triangles, _) = corners.as_chunks::<3>();
+        self.builder.portal(name, triangles.to_vec());
+    }
+
+    /// The triangles of a material or mesh as openings.
+    fn portal_named(&mut self, name: &str) {
+        self.builder.portal_named(name);
+    }
+
     /// A camera; `view`: whether it is orthographic, and half the height or the vertical angle; `lens`: diameter and distance
     /// of focus.
     fn camera(

@@ -104,6 +104,7 @@ def test_all_objects_of_a_scene():
     scene.point_light((0, 2, 0), (1, 2, 3)).spot_light((0, 3, 0), (0, -1, 0), 5, inner=10, outer=20)
     scene.directional_light((0, -1, 0), 0.5).environment(0.1).environment("sky:30,3", rotate=20)
     scene.sun((0, -1, 1), 3).environment(np.ones((4, 8, 3)), scale=0.5)
+    scene.portal(FLOOR).portal(FLOOR[:3], name="half").portal("smooth")
     scene.camera((0, 2, 5), to=(0, 0, 0), aperture=0.1, name="lens")
     scene.camera((0, 2, 5), direction=(0, 0, -1), height=3, name="flat")
     assert scene.cameras == ["lens", "flat"]
@@ -201,6 +202,9 @@ def test_a_scene_of_a_file(tmp_path):
         (lambda: pm.Scene().environment("sky:high"), ["sky:30,3"]),
         (lambda: pm.Scene().environment(np.zeros((4, 4, 3))).build(), ["twice as wide"]),
         (lambda: pm.Scene().environment(-1).build(), ["radiance"]),
+        (lambda: pm.Scene().portal(FLOOR[:2]), ["(2, 3)"]),
+        (lambda: pm.Scene().portal("window").build(), ["portal 'window'"]),
+        (lambda: pm.Scene().quad("q", FLOOR).portal([(0, 0, 0)] * 3, name="gap").build(), ["portal 'gap'", "area"]),
         (lambda: pm.Scene.builtin("x"), ["x", "ring"]),
     ],
 )

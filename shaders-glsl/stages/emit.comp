@@ -21,6 +21,7 @@ layout(constant_id = 3) const bool AIMED = false;
 #include "shading/coated_light.glsl"
 #include "shading/environment.glsl"
 #include "shading/sun.glsl"
+#include "shading/portals.glsl"
 
 layout(push_constant, scalar) uniform Push {
     SceneRef scene;
@@ -29,8 +30,9 @@ layout(push_constant, scalar) uniform Push {
     uint pass;
     uint first;
     uint count;
-    uint pad;
+    uint portal_count;
     ProjectionRef projection;
+    PortalTable portals;
 } push;
 
 // In a function of its own, since the compiler does not support `precise` on values just loaded.
@@ -85,25 +87,44 @@ void main() {
     } else if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0u && light.kind == LIGHT_SPOT) {
         direction = sampling_about(light.direction, spot_versine(light.versine_inner, light.versine_outer, c), d);
     } else if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0u && light.kind == LIGHT_DIRECTIONAL) {
-        vec2 at = sampling_disc(a, b);
-        vec3 tangent, bitangent;
-        sampling_basis(light.direction, tangent, bitangent);
-        if (SUN && is_sun(light)) {
-            // Through the disc in the plane of the scene's centre.
-            vec3 along = sampling_about(light.direction, sun_versine(light.versine_outer, c), d);
-            origin = before_disc(along, tangent, bitangent, at, light.radius);
-            direction = along;
+        if (PORTALS && !AIMED) {
+            bool sun = SUN && is_sun(light);
+            if (sun) direction = sampling_about(light.direction, sun_versine(light.versine_outer, c), d);
+            PortalLine line =
+                portals_sample(push.portals, push.portal_count, direction, choice.w, vec2(a, b), light.radius);
+            origin = portal_origin(line.across, direction, sun ? 2.0 * light.radius : light.radius);
+            carried = sun ? portal_sun_power(carried, line.factor, direction, light.direction)
+                : portal_power(carried, line.factor);
         } else {
-            origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
+            vec2 at = sampling_disc(a, b);
+            vec3 tangent, bitangent;
+            sampling_basis(light.direction, tangent, bitangent);
+            if (SUN && is_sun(light)) {
+                // Through the disc in the plane of the scene's centre.
+                vec3 along = sampling_about(light.direction, sun_versine(light.versine_outer, c), d);
+                origin = before_disc(along, tangent, bitangent, at, light.radius);
+                direction = along;
+            } else {
+                origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
+            }
         }
     } else if (ENVIRONMENT && light.kind == LIGHT_ENVIRONMENT) {
         EnvironmentSample found = environment_sample(push.scene, start.xy);
         direction = -found.direction;
-        vec2 at = sampling_disc(a, b);
-        vec3 tangent, bitangent;
-        sampling_basis(direction, tangent, bitangent);
-        origin = behind_disc(direction, tangent, bitangent, at, light.radius);
         carried = environment_power(found.weight, light.power, carried, light.radius);
+        if (PORTALS) {
+            // The highest bit of an aimed photon's side is that of its cell, which is 0.
+            uint word = AIMED ? choice.w << 1 : choice.w;
+            PortalLine line =
+                portals_sample(push.portals, push.portal_count, direction, word, vec2(a, b), light.radius);
+            origin = portal_origin(line.across, direction, light.radius);
+            carried = portal_power(carried, line.factor);
+        } else {
+            vec2 at = sampling_disc(a, b);
+            vec3 tangent, bitangent;
+            sampling_basis(direction, tangent, bitangent);
+            origin = behind_disc(direction, tangent, bitangent, at, light.radius);
+        }
     } else if ((FEATURES & FEATURE_AREA_LIGHTS) != 0u) {
         vec2 weights = sampling_triangle(a, b);
         if (TEXTURED_LIGHTS) {

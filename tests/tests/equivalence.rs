@@ -1,21 +1,22 @@
 //! Equivalence of the CPU and Vulkan backends, in one process.
 
 use photon_tests::backends::{OnCpu, OnValidatedVulkan};
-use photon_tests::equivalence;
 use photon_tests::harness::TestBackend;
+use photon_tests::{equivalence, portals};
 
 macro_rules! both {
-    ($($name:ident),+ $(,)?) => {$(
+    ($module:ident: $($name:ident),+ $(,)?) => {$(
         #[test]
         fn $name() {
             if OnValidatedVulkan::available() {
-                equivalence::$name::<OnCpu, OnValidatedVulkan>();
+                $module::$name::<OnCpu, OnValidatedVulkan>();
             }
         }
     )+};
 }
 
 both! {
+    equivalence:
     photons_leave_alike,
     paths_are_the_same_paths,
     tallies_agree,
@@ -25,3 +26,5 @@ both! {
     pictures_are_alike,
     alpha_is_the_same,
 }
+
+both! { portals: photons_leave_alike_through_portals }

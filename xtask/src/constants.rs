@@ -87,6 +87,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("FEATURE_COATED_LIGHTS", Features::COATED_LIGHTS.bits()),
                 ("FEATURE_SHEEN", Features::SHEEN.bits()),
                 ("FEATURE_PARTIAL_TRANSMISSION", Features::PARTIAL_TRANSMISSION.bits()),
+                ("FEATURE_PORTALS", Features::PORTALS.bits()),
                 ("FEATURE_SPECULAR", Features::SPECULAR.bits()),
                 ("FEATURE_ALL", Features::ALL.bits()),
             ],

@@ -18,7 +18,7 @@ const KERNELS: [&str; 6] =
     ["stages/emit", "stages/trace", "stages/eye", "stages/direct", "stages/final_gather", "stages/area"];
 
 /// Features that are left out together.
-const FEATURES: [(&str, Features); 22] = [
+const FEATURES: [(&str, Features); 23] = [
     ("nothing", Features::NONE),
     ("mirrors", Features::MIRROR),
     ("glass, solid and thin", Features::DIELECTRIC.union(Features::THIN).union(Features::ABSORPTION)),
@@ -33,6 +33,7 @@ const FEATURES: [(&str, Features); 22] = [
     ("specular colours", Features::SPECULAR_COLORS),
     ("alpha", Features::ALPHA),
     ("partial transmission", Features::PARTIAL_TRANSMISSION),
+    ("portals", Features::PORTALS),
     (
         "textures, normals, colours",
         Features::TEXTURES

@@ -6,7 +6,7 @@ use photon_core::glam::Vec3;
 use photon_core::light_tree::LightTree;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, Material, MediaFeatures, Medium, MediumStack,
-    Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids,
+    Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids,
     SurfaceInteraction, alpha, interface, math, offset, radiance_scale, shadow_terminator,
 };
 
@@ -27,6 +27,7 @@ pub struct CpuScene {
     /// For shadow rays in a scene with many lights.
     pub(crate) light_tree: Option<LightTree>,
     pub(crate) environment: Option<EnvironmentMap>,
+    pub(crate) portals: Vec<Portal>,
     media: Vec<Medium>,
     /// The media in which photons from each light start, on its front and on its back; empty if the scene needs no
     /// media.
@@ -81,6 +82,7 @@ impl CpuScene {
             light_cdf: view.light_cdf.to_vec(),
             light_tree: by_tree.then(|| LightTree::new(view)),
             environment: view.environment.cloned(),
+            portals: view.portals.to_vec(),
             media: view.media.to_vec(),
             light_media,
             nested,

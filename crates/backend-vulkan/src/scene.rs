@@ -19,7 +19,8 @@ pub(crate) const WITH_TABLES: Features = Features::SHADED
     .union(Features::COATED_LIGHTS)
     .union(Features::ENVIRONMENT)
     .union(Features::LIGHT_TREE)
-    .union(Features::RANDOM_SURFACES);
+    .union(Features::RANDOM_SURFACES)
+    .union(Features::PORTALS);
 
 /// Triangles uploaded at a time.
 const BLOCK: usize = 1 << 20;
@@ -34,6 +35,8 @@ pub struct VulkanScene {
     features: Features,
     media: MediaFeatures,
     light_count: u32,
+    /// Address and number of the portals.
+    portals: (u64, u32),
     has_vertex_normals: bool,
     /// Labels and sizes in bytes of the tables.
     bytes: Vec<(&'static str, u64)>,
@@ -123,16 +126,31 @@ impl VulkanScene {
             environment: environment::upload(&mut upload, view)?,
             light_tree: if lit_by_tree { light_tree::upload(&mut upload, view)? } else { 0 },
         };
+        let portals = match view.portals {
+            [] => 0,
+            portals => upload.table("portals", portals)?,
+        };
         upload.table("scene", &[record])?;
         let Upload { mut tables, bytes, .. } = upload;
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
         let light_count = view.lights.len() as u32;
+        let portals = (portals, view.portals.len() as u32);
         let unlit = if lit_by_tree { Features::NONE } else { Features::LIGHT_TREE };
         // A lens is the view's: camera kernels add it.
         let absent = WITH_TABLES.without(present).union(unlit).union(Features::THIN_LENS);
         let (features, media) = (required.features.without(absent), required.media);
         let has_vertex_normals = !view.shading.normals.is_empty();
-        Ok(Self { record, _tables: tables, features, media, light_count, has_vertex_normals, bytes, build_seconds })
+        Ok(Self {
+            record,
+            _tables: tables,
+            features,
+            media,
+            light_count,
+            portals,
+            has_vertex_normals,
+            bytes,
+            build_seconds,
+        })
     }
 
     /// Address of the record that is passed to kernels.
@@ -158,6 +176,11 @@ impl VulkanScene {
     /// Number of lights.
     pub(crate) fn light_count(&self) -> u32 {
         self.light_count
+    }
+
+    /// Address and number of the portals; 0 without any.
+    pub(crate) fn portals(&self) -> (u64, u32) {
+        self.portals
     }
 
     /// Labels and sizes in bytes of everything the scene holds on the device.

@@ -58,6 +58,8 @@ pub use scene::light_shares::{LightShare, light_shares};
 pub use scene::material::{Material, MaterialKind, Primitive};
 pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radiance_scale};
 pub use scene::medium::Medium;
+pub use scene::portal::Portal;
+pub use scene::portal_shares::{PortalShares, portal_shares};
 pub use scene::solids::{Locator, Solids};
 pub use scene::texture::{
     Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, OwnedShadingTables,
@@ -85,6 +87,6 @@ pub use shading::shade::{Shaded, Shading};
 pub use shading::sheen_lobe::SheenTable;
 pub use shading::{
     alpha, anisotropy, area, clearcoat, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset,
-    partial_transmission, photon_sample, random, rough_glass, sampling, shade, shading_normal, shadow_terminator,
-    sheen, sobol, solid_angle, texture,
+    partial_transmission, photon_sample, portals, random, rough_glass, sampling, shade, shading_normal,
+    shadow_terminator, sheen, sobol, solid_angle, texture,
 };

@@ -4,10 +4,11 @@ use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
 use crate::environment::{EnvironmentDesc, Sun};
 use crate::error::SceneError;
 use crate::mesh::{Mesh, VertexAttributes};
+use crate::portals::{self, PortalDesc};
 use crate::scene::Scene;
 use crate::texture::{TextureDesc, TextureId};
 use crate::{camera, lights, normalise, shading, solids, validate};
-use photon_core::{EnvironmentMap, Primitive, Units, light_cdf};
+use photon_core::{EnvironmentMap, Light, Primitive, Units, light_cdf};
 
 /// Handle of a material of one [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -40,6 +41,7 @@ pub struct SceneBuilder {
     /// The sun of the environment, and how that was described.
     pub(crate) sun: Option<Sun>,
     pub(crate) environment_text: Option<String>,
+    pub(crate) portals: Vec<PortalDesc>,
     pub(crate) cameras: Vec<(String, CameraDesc)>,
 }
 
@@ -121,6 +123,20 @@ impl SceneBuilder {
         self.sun = Some(sun);
     }
 
+    /// Adds a portal: triangles in user space that fill an opening, such as a window, through which light from infinitely
+    /// far away enters. They are no surfaces. Photons of the environment and of directional lights start through portals
+    /// more often than elsewhere; wherever portals are, they change no expectation, only noise: [`photon_core::portals`].
+    /// All portals together have at most [`photon_core::Portal::MAX`] triangles.
+    pub fn portal(&mut self, name: impl Into<String>, triangles: Vec<[[f64; 3]; 3]>) {
+        self.portals.push(PortalDesc::Triangles(name.into(), triangles));
+    }
+
+    /// As [`Self::portal`]: the triangles of all meshes that have this name, or a material of this name, such as those of
+    /// window panes or curtains. They remain surfaces.
+    pub fn portal_named(&mut self, name: impl Into<String>) {
+        self.portals.push(PortalDesc::Named(name.into()));
+    }
+
     /// Adds a camera; the first one is the default.
     pub fn camera(&mut self, name: impl Into<String>, desc: CameraDesc) {
         self.cameras.push((name.into(), desc));
@@ -184,6 +200,7 @@ impl SceneBuilder {
             &mut warnings,
         )?;
         let (mut materials, media) = lights::materials(&self.materials, &geometry, &lit, frame)?;
+        let portals = portals::table(&self, frame, geometry.radius)?;
         let shading = shading::tables(source, &geometry, &mut materials, &mut warnings);
         let units = Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power };
         warn_of_radiance(units, &mut warnings);
@@ -199,12 +216,17 @@ impl SceneBuilder {
         if !geometry.dropped.is_empty() {
             warnings.push(format!("{} triangles without area were dropped", geometry.dropped.len()));
         }
+        let is_infinite = |light: &Light| matches!(light.kind, Light::DIRECTIONAL | Light::ENVIRONMENT);
+        if !portals.is_empty() && !lit.lights.iter().any(is_infinite) {
+            warnings.push("portals have no effect, since no light is infinitely far away".to_owned());
+        }
         solids::warn(&geometry, &self.materials, &mut warnings);
 
         let radius = lit.lights.iter().map(|light| normalise::length(light.position)).fold(geometry.radius, f64::max);
         Ok(Scene {
             environment: self.environment.filter(|_| lit.shows_environment()).map(|map| map.scaled(lit.per_power())),
             environment_text: self.environment_text,
+            portals,
             light_cdf: light_cdf(&lit.means),
             units,
             shading,

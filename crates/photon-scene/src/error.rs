@@ -40,6 +40,16 @@ pub enum SceneError {
         /// What would be valid.
         hint: &'static str,
     },
+    /// A portal has a corner or an area out of range, or a name that nothing has.
+    #[error("portal '{portal}': {what}; {hint}")]
+    Portal {
+        /// Name of the portal: of the material or mesh, or as it was given with the corners.
+        portal: String,
+        /// What is wrong.
+        what: String,
+        /// What would be valid.
+        hint: String,
+    },
     /// A property of a camera is out of range.
     #[error("camera '{camera}': {property} is {value}, but {hint}")]
     Camera {

@@ -21,6 +21,7 @@ mod lights;
 mod load;
 mod mesh;
 mod normalise;
+mod portals;
 mod report;
 #[cfg(feature = "files")]
 mod save;

@@ -40,7 +40,7 @@ use crate::shading;
 ///
 /// # Errors
 /// The errors of [`SceneBuilder::build`], and [`SceneError::Extreme`] for numbers beyond single precision or a file
-/// beyond 4 GiB. [`SceneError::Export`] for what glTF has no place for: an environment, base colours and emission of
+/// beyond 4 GiB. [`SceneError::Export`] for what glTF has no place for: an environment, portals, base colours and emission of
 /// linear bytes, normal maps in sRGB, and transforms of textures with shear.
 pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     refuse_environment(scene)?;
@@ -66,10 +66,14 @@ pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     file.finish(materials, lights, cameras)
 }
 
-/// glTF has no environment in its core or in a ratified extension, and no light with a disc.
+/// glTF has no environment in its core or in a ratified extension, no light with a disc, and no portals.
 fn refuse_environment(scene: &SceneBuilder) -> Result<(), SceneError> {
     if scene.environment.is_none() && scene.sun.is_none() {
-        return Ok(());
+        if scene.portals.is_empty() {
+            return Ok(());
+        }
+        let hint = "write the scene without them, and give them again when the file is rendered";
+        return Err(SceneError::Export { what: "portals".to_owned(), hint });
     }
     let text = scene.environment_text.as_ref().map_or_else(String::new, |text| format!(" ({text})"));
     Err(SceneError::Export {

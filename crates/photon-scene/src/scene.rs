@@ -3,7 +3,9 @@
 use crate::describe::{CameraDesc, ThinLens};
 use crate::error::SceneError;
 use crate::{camera, validate};
-use photon_core::{Camera, EnvironmentMap, Light, Material, Medium, OwnedShadingTables, Primitive, SceneView, Units};
+use photon_core::{
+    Camera, EnvironmentMap, Light, Material, Medium, OwnedShadingTables, Portal, Primitive, SceneView, Units,
+};
 
 /// The result of [`crate::SceneBuilder::build`]: the tables that backends read, and the names and units for
 /// messages and results.
@@ -21,6 +23,7 @@ pub struct Scene {
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
     pub(crate) environment: Option<EnvironmentMap>,
+    pub(crate) portals: Vec<Portal>,
     pub(crate) environment_text: Option<String>,
     pub(crate) shading: OwnedShadingTables,
     pub(crate) radius: f32,
@@ -47,6 +50,7 @@ impl Scene {
             lights: &self.lights,
             light_cdf: &self.light_cdf,
             environment: self.environment.as_ref(),
+            portals: &self.portals,
             shading: self.shading.view(),
             radius: self.radius,
             units: self.units,

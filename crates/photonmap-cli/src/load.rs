@@ -48,6 +48,9 @@ pub fn builder(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
     if let Some(desc) = args.environment.desc(&mut report)? {
         builder.environment_from(&desc)?;
     }
+    for name in &args.environment.portals {
+        builder.portal_named(name);
+    }
     Ok((builder, report))
 }
 

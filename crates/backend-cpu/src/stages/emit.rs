@@ -3,7 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler, centred_f32, unit_f32};
 use photon_core::{
-    Batch, Emitter, Features, Light, PhotonRay, ProjectionMap, Result, light_probability, offset, pick_light, sampling,
+    Batch, Emitter, Features, Light, PhotonRay, ProjectionMap, Result, light_probability, offset, pick_light, portals,
+    sampling,
 };
 use rayon::prelude::*;
 
@@ -16,10 +17,11 @@ pub(crate) struct CpuEmitter;
 
 impl Emitter<Cpu> for CpuEmitter {
     fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
-        if scene.present.intersects(UNEVEN) {
-            emit::<true>(on, scene, batch, rays);
-        } else {
-            emit::<false>(on, scene, batch, rays);
+        match kinds(scene) {
+            (false, false) => emit::<false, false>(on, scene, batch, rays),
+            (true, false) => emit::<true, false>(on, scene, batch, rays),
+            (false, true) => emit::<false, true>(on, scene, batch, rays),
+            (true, true) => emit::<true, true>(on, scene, batch, rays),
         }
         Ok(())
     }
@@ -28,8 +30,19 @@ impl Emitter<Cpu> for CpuEmitter {
 /// Area lights whose photons differ in power.
 const UNEVEN: Features = Features::TEXTURED_LIGHTS.union(Features::COATED_LIGHTS);
 
-/// Emits photons; with `TEXTURED`, the emission of some area lights is textured, or under a clearcoat.
-fn emit<const TEXTURED: bool>(on: &Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) {
+/// Whether the scene has such lights, and whether it has portals.
+fn kinds(scene: &CpuScene) -> (bool, bool) {
+    (scene.present.intersects(UNEVEN), scene.present.contains(Features::PORTALS))
+}
+
+/// Emits photons; with `TEXTURED`, the emission of some area lights is textured, or under a clearcoat; with `PORTALS`, those
+/// of infinitely distant lights start through portals.
+fn emit<const TEXTURED: bool, const PORTALS: bool>(
+    on: &Cpu,
+    scene: &CpuScene,
+    batch: &Batch,
+    rays: &mut CpuBuffer<PhotonRay>,
+) {
     each(on, batch, Domain::Photon, rays, |sampler, path| {
         let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
         let [c, d, ..] = sampler.words(BLOCK_START);
@@ -38,7 +51,7 @@ fn emit<const TEXTURED: bool>(on: &Cpu, scene: &CpuScene, batch: &Batch, rays: &
         // Every path carries the power of its light divided by the probability of choosing that light.
         let power = scene.lights[index].power.map(|p| (f64::from(p) / share) as f32);
         let start = PhotonRay { path, power, ..PhotonRay::default() };
-        leave::<false, TEXTURED>(scene, index, [a, b], [c, d], side, start)
+        leave::<false, TEXTURED, PORTALS>(scene, index, [a, b], [c, d], side, start)
     });
 }
 
@@ -56,17 +69,19 @@ impl CpuAimedEmitter {
 
 impl Emitter<Cpu> for CpuAimedEmitter {
     fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
-        if scene.present.intersects(UNEVEN) {
-            aim::<true>(on, scene, batch, rays, &self.projection);
-        } else {
-            aim::<false>(on, scene, batch, rays, &self.projection);
+        match kinds(scene) {
+            (false, false) => aim::<false, false>(on, scene, batch, rays, &self.projection),
+            (true, false) => aim::<true, false>(on, scene, batch, rays, &self.projection),
+            (false, true) => aim::<false, true>(on, scene, batch, rays, &self.projection),
+            (true, true) => aim::<true, true>(on, scene, batch, rays, &self.projection),
         }
         Ok(())
     }
 }
 
-/// Emits aimed photons; `TEXTURED` as for [`emit`].
-fn aim<const TEXTURED: bool>(
+/// Emits aimed photons; `TEXTURED` and `PORTALS` as for [`emit`], but that portals are for the environment alone: the cells
+/// of other lights say where their photons start.
+fn aim<const TEXTURED: bool, const PORTALS: bool>(
     on: &Cpu,
     scene: &CpuScene,
     batch: &Batch,
@@ -77,7 +92,14 @@ fn aim<const TEXTURED: bool>(
         let sample = projection.sample(sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
         let target = &projection.targets()[sample.target];
         let start = PhotonRay { path, power: target.carried, ..PhotonRay::default() };
-        leave::<true, TEXTURED>(scene, target.light as usize, sample.point, sample.direction, sample.side, start)
+        leave::<true, TEXTURED, PORTALS>(
+            scene,
+            target.light as usize,
+            sample.point,
+            sample.direction,
+            sample.side,
+            start,
+        )
     });
 }
 
@@ -107,7 +129,7 @@ fn each(
 /// Samples the origin and direction of a photon that leaves light `index`; its path and its power, which is that of
 /// the light's mean radiance, are those of `start`. The const parameter `AIMED` makes a separate copy for each emitter.
 #[inline]
-fn leave<const AIMED: bool, const TEXTURED: bool>(
+fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
     scene: &CpuScene,
     index: usize,
     point: [u32; 2],
@@ -132,13 +154,33 @@ fn leave<const AIMED: bool, const TEXTURED: bool>(
             let Some(environment) = &scene.environment else { return start };
             let found = environment.sample(direction);
             let direction = -found.direction;
-            let (x, y) = sampling::disc(a, b);
-            let (tangent, bitangent) = sampling::basis(direction);
             // The power of the record is that of the mean radiance.
             let reciprocal = Vec3::from(power).max_element() / Vec3::from(light.power).max_element();
             let area = std::f32::consts::PI * light.radius * light.radius;
             power = (found.weight * (area * reciprocal)).to_array();
-            ((tangent * x + bitangent * y - direction) * light.radius, direction)
+            if PORTALS {
+                // The highest bit of an aimed photon's side is that of its cell, which is 0.
+                let choice = if AIMED { side << 1 } else { side };
+                let line = portals::sample(&scene.portals, direction, choice, [a, b], light.radius);
+                power = power.map(|p| p * line.factor);
+                (line.across - direction * light.radius, direction)
+            } else {
+                let (x, y) = sampling::disc(a, b);
+                let (tangent, bitangent) = sampling::basis(direction);
+                ((tangent * x + bitangent * y - direction) * light.radius, direction)
+            }
+        }
+        Light::DIRECTIONAL if PORTALS && !AIMED => {
+            let (direction, away) = if light.is_sun() {
+                (sampling::about(along, sampling::sun_versine(light.versine_outer, c), d), 2.0 * light.radius)
+            } else {
+                (along, light.radius)
+            };
+            let line = portals::sample(&scene.portals, direction, side, [a, b], light.radius);
+            // Points of a sun's disc are uniform across its axis, not across the photon's direction.
+            let factor = if light.is_sun() { line.factor / direction.dot(along) } else { line.factor };
+            power = power.map(|p| p * factor);
+            (line.across - direction * away, direction)
         }
         Light::DIRECTIONAL => {
             let (x, y) = sampling::disc(a, b);

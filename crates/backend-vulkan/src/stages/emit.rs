@@ -24,12 +24,14 @@ struct Push {
     pass: u32,
     first: u32,
     count: u32,
-    pad: u32,
+    portal_count: u32,
     /// `ProjectionRef` of projection.glsl; 0 without a projection map.
     projection: u64,
+    /// `PortalTable` of portals.glsl; 0 without portals.
+    portals: u64,
 }
 
-pushed!(push_layout: Push => STAGES_EMIT, scene rays seed pass first count pad projection);
+pushed!(push_layout: Push => STAGES_EMIT, scene rays seed pass first count portal_count projection portals);
 
 specialized!(
     emit_constants: EmitConstants => STAGES_EMIT,
@@ -133,8 +135,9 @@ fn emit(
         pass: pass.index,
         first: batch.paths.start,
         count: count as u32,
-        pad: 0,
+        portal_count: scene.portals().1,
         projection,
+        portals: scene.portals().0,
     };
     on.dispatch(&kernel, &push, count.div_ceil(u64::from(GROUP)))?;
     on.set_length(rays, asked)

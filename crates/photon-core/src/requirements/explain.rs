@@ -67,6 +67,14 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
                 .count();
             let lights = scene.lights.iter().filter(|light| light_features(light).contains(feature)).count();
             let why = match (triangles, lights) {
+                _ if feature == Features::PORTALS => match (required.features.contains(feature), scene.portals.len()) {
+                    (false, 0) => "none is declared".to_owned(),
+                    (false, _) => "no light is infinitely far away".to_owned(),
+                    (true, count) => format!(
+                        "{}; photons of infinitely distant lights start through them more often",
+                        counted(count, "triangle")
+                    ),
+                },
                 _ if feature == Features::LIGHT_TREE => counted(scene.lights.len(), "light"),
                 (0, 0) => "nothing in the scene has it".to_owned(),
                 (0, lights) => counted(lights, "light"),

@@ -69,6 +69,8 @@ bitflags! {
         const SHEEN = 1 << 27;
         /// Surfaces that are partly glass: [`crate::partial_transmission`].
         const PARTIAL_TRANSMISSION = 1 << 28;
+        /// Portals, and a light infinitely far away: [`crate::portals`].
+        const PORTALS = 1 << 29;
     }
 }
 
@@ -94,6 +96,8 @@ impl Features {
     pub const RANDOM_SURFACES: Self = Self::ALPHA.union(Self::PARTIAL_TRANSMISSION);
     /// Where camera paths sample lights, and go on.
     pub const FOLLOWED: Self = Self::GLOSSY.union(Self::ROUGH_GLASS);
+    /// Light from infinitely far away.
+    pub const INFINITE_LIGHTS: Self = Self::ENVIRONMENT.union(Self::DIRECTIONAL_LIGHTS);
     /// All lobes that are not diffuse.
     pub const SPECULAR: Self = Self::MIRROR.union(Self::DIELECTRIC).union(Self::THIN).union(Self::GLOSSY);
 
@@ -128,6 +132,7 @@ impl Features {
         "coated-lights",
         "sheen",
         "partial-transmission",
+        "portals",
     ];
 
     /// Whether camera paths may split in two: at glass, which reflects and transmits, and at glossy surfaces, where a

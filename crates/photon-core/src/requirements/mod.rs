@@ -148,7 +148,9 @@ impl Features {
         let all = materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union);
         let lit = if scene.lights.is_empty() { Self::TEXTURED_LIGHTS } else { Self::NONE };
         let many = if scene.lights.len() > MAX_LIGHTS { Self::LIGHT_TREE } else { Self::NONE };
-        all.without(lit).union(many)
+        let portals = !scene.portals.is_empty() && all.intersects(Self::INFINITE_LIGHTS);
+        let through = if portals { Self::PORTALS } else { Self::NONE };
+        all.without(lit).union(many).union(through)
     }
 }
 

@@ -42,6 +42,7 @@ impl SceneView<'_> {
             lights,
             light_cdf,
             environment,
+            portals,
             shading,
             radius,
             units: Units { center, scale, power },
@@ -96,6 +97,9 @@ impl SceneView<'_> {
         if let Some(environment) = environment {
             digest.environment(environment);
         }
+        if !portals.is_empty() {
+            digest.table(portals);
+        }
         digest.table(&[radius]);
         digest.table(&[center[0], center[1], center[2], scale, power]);
         digest.0
@@ -114,6 +118,7 @@ impl Digest {
 mod tests {
     use super::*;
     use crate::scene::material::Material;
+    use crate::scene::portal::Portal;
 
     /// Test vectors of RFC 9923.
     #[test]
@@ -141,6 +146,7 @@ mod tests {
             wrap: [crate::Wrap::default(); 2],
             filter: crate::Filter::default(),
         };
+        let portal = [Portal::new([[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]])];
         let (tall, wide) = ([texture.clone()], [Texture { width: 2, height: 1, ..texture }]);
         let textured = |textures| SceneView {
             shading: ShadingTables { textures, ..ShadingTables::default() },
@@ -156,6 +162,7 @@ mod tests {
             SceneView { units: Units { power: 2.0, ..Units::default() }, ..SceneView::default() },
             SceneView { environment: Some(&one), ..SceneView::default() },
             SceneView { environment: Some(&two), ..SceneView::default() },
+            SceneView { portals: &portal, ..SceneView::default() },
             textured(&tall),
             textured(&wide),
         ];

@@ -10,6 +10,8 @@ pub(crate) mod light_shares;
 pub(crate) mod material;
 pub(crate) mod media;
 pub(crate) mod medium;
+pub(crate) mod portal;
+pub(crate) mod portal_shares;
 pub(crate) mod solids;
 pub(crate) mod texture;
 pub(crate) mod units;
@@ -18,6 +20,7 @@ use crate::scene::environment::EnvironmentMap;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
+use crate::scene::portal::Portal;
 use crate::scene::texture::ShadingTables;
 use crate::scene::units::Units;
 
@@ -49,6 +52,9 @@ pub struct SceneView<'a> {
     /// Light from infinitely far away; it needs an entry of [`Light::ENVIRONMENT`] in `lights`. Radiance in units of
     /// total power per steradian and squared normalised length.
     pub environment: Option<&'a EnvironmentMap>,
+    /// Openings through which light from infinitely far away enters, at most [`Portal::MAX`]: where its photons start more
+    /// often. They change no expectation.
+    pub portals: &'a [Portal],
     /// Vertex attributes and textures.
     pub shading: ShadingTables<'a>,
     /// Radius of a sphere about the origin that contains the scene: vertices, point lights and spot lights.
@@ -69,6 +75,7 @@ impl Default for SceneView<'_> {
             lights: &[],
             light_cdf: &[],
             environment: None,
+            portals: &[],
             shading: ShadingTables::default(),
             radius: 1.0,
             units: Units::default(),

@@ -6,6 +6,7 @@ use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediumStack;
 use crate::scene::medium::Medium;
+use crate::scene::portal::Portal;
 use crate::scene::units::Units;
 
 /// Tolerance of the squared length of unit vectors.
@@ -39,6 +40,7 @@ impl SceneView<'_> {
         each("medium", self.media, check_medium)?;
         each("material", self.materials, |material| check_material(material, self.media))?;
         each("light", self.lights, |light| check_light(light, self.triangles.len(), self.radius))?;
+        each("portal", self.portals, |portal| check_portal(portal, self.radius))?;
         check_order(self.lights)?;
         check_starts(self.light_cdf)?;
         shading::check(self)
@@ -91,6 +93,11 @@ fn whole(view: &SceneView<'_>) -> Result<()> {
     if suns > 1 {
         let value = format!("{suns} directional lights with a disc");
         return invalid("lights", value, "cameras see one of them: set the versine_outer of the others to 0");
+    }
+    let portals = view.portals.len();
+    if portals > Portal::MAX {
+        let hint = "each photon is tested against all: at most 64; use a pair for each opening";
+        return invalid("the number of portals", portals.to_string(), hint);
     }
     let Units { center, scale, power } = view.units;
     if !center.iter().all(|c| c.is_finite()) {
@@ -183,6 +190,19 @@ fn check_material(material: &Material, media: &[Medium]) -> Check {
             require(there == ior, || format!("its ior {ior} differs from that of its medium {inside}, {there}"))
         }
     }
+}
+
+fn check_portal(portal: &Portal, radius: f32) -> Check {
+    let (corner, [first, second]) = (portal.corner, portal.edges);
+    let sum = |edge: [f32; 3]| std::array::from_fn(|axis| corner[axis] + edge[axis]);
+    for at in [corner, sum(first), sum(second)] {
+        check_position(at, Portal::REACH * radius).map_err(|why| format!("its corner {why}"))?;
+    }
+    let [x, y, z] = portal.area.map(f64::from);
+    let area = (x * x + y * y + z * z).sqrt();
+    require(area >= f64::from(Portal::MIN_AREA) && area.is_finite(), || {
+        format!("its area {area:e} must be finite and at least {:e}", Portal::MIN_AREA)
+    })
 }
 
 fn check_light(light: &Light, triangles: usize, radius: f32) -> Check {

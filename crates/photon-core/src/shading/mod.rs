@@ -21,6 +21,7 @@ pub mod octahedral;
 pub mod offset;
 pub mod partial_transmission;
 pub mod photon_sample;
+pub mod portals;
 pub mod random;
 pub(crate) mod reflection_lobe;
 pub mod rough_glass;

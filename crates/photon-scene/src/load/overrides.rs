@@ -92,7 +92,10 @@ impl Overrides {
             add_light(index, light, frame, scene);
         }
         if let Some(environment) = &self.file.environment {
-            scene.environment_from(&self.environment(environment, report)?)?;
+            if let Some(desc) = self.environment(environment, report)? {
+                scene.environment_from(&desc)?;
+            }
+            self.portals(environment, frame, scene)?;
         }
         let mut cameras = Vec::new();
         for camera in &self.file.cameras {

@@ -148,17 +148,33 @@ fn upwards() -> [f64; 3] {
     [0.0, 1.0, 0.0]
 }
 
-/// `[environment]`: one of `file`, `radiance` and `sky`.
+/// `[environment]`: at most one of `file`, `radiance` and `sky`, and portals.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Environment {
     pub(super) file: Option<PathBuf>,
     pub(super) radiance: Option<Colour>,
     pub(super) sky: Option<Sky>,
+    /// Names of materials or meshes.
+    #[serde(default)]
+    pub(super) portals: Vec<String>,
+    #[serde(default)]
+    pub(super) portal: Vec<Portal>,
     #[serde(default)]
     pub(super) rotate_degrees: f64,
     #[serde(default = "unscaled")]
     pub(super) scale: f64,
+}
+
+/// `[[environment.portal]]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Portal {
+    pub(super) name: Option<String>,
+    #[serde(default)]
+    pub(super) relative: bool,
+    /// Three, or four of a flat quadrilateral, in order around it.
+    pub(super) corners: Vec<[f64; 3]>,
 }
 
 /// The clear sky of an environment.

@@ -6,6 +6,7 @@ mod obj_glossy;
 mod obj_textures;
 mod overrides;
 mod ply;
+mod portals;
 mod support;
 
 use photon_scene::{LoadReport, Overrides, ReportKind, load};

@@ -38,6 +38,12 @@ pub struct EnvironmentArgs {
         hide_short_help = true
     )]
     pub environment_scale: f64,
+    /// Name of a material or mesh whose triangles fill openings, such as windows, through which the light of the environment
+    /// enters: its photons start there more often. May be repeated.
+    ///
+    /// This affects noise alone, wherever portals are; in a room with small windows there is much less.
+    #[arg(long = "portal", value_name = "NAME", hide_short_help = true)]
+    pub portals: Vec<String>,
 }
 
 /// The value of `--environment`.

@@ -19,6 +19,15 @@ pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
     if let Some(environment) = scene.environment_text() {
         let _ = writeln!(text, "environment: {environment}");
     }
+    if let Some(shares) = photon_core::portal_shares(&scene.view()) {
+        let (light, photons) = (100.0 * shares.light, 100.0 * shares.photons);
+        let count = scene.view().portals.len();
+        let _ = writeln!(
+            text,
+            "portals: {count} triangles; {light:.3} % of the light from infinitely far away passes them, and {photons:.1} % \
+             of its photons"
+        );
+    }
     let needs = photon_core::explain(&scene.view(), &settings);
     for (heading, needed) in [("needed", true), ("left out", false)] {
         let _ = writeln!(text, "\n{heading}:");

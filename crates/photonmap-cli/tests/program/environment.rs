@@ -126,6 +126,24 @@ fn images_are_found() {
     assert!(close(found, truth), "{found:?}");
 }
 
+/// `--portal` names a material: `explain` says what part of the light passes it, half of π R² |n·ω| for a plate of area 4 in
+/// a scene of radius √2, and an unknown name is an error.
+#[test]
+fn portals_of_the_command_line() {
+    let folder = folder("environment-portal");
+    let [obj, camera] = plate(&folder);
+    let scene = [obj.as_str(), "--overrides", &camera, "--environment", "constant"];
+    let explained = stdout(&run("explain", &[&scene[..], &["--portal", "plate"]].concat()));
+    let text = explained.lines().find(|line| line.starts_with("portals: 2 triangles; ")).unwrap();
+    let share: f64 = text.split(' ').nth(3).unwrap().parse().unwrap();
+    assert!((share - 100.0 * 4.0 / (2.0 * PI * 2.0)).abs() < 0.01, "{text}");
+    assert!(explained.contains("portals                  2 triangles; photons"), "{explained}");
+    let even = mean(&folder, &[&scene[..], &["--portal", "plate"]].concat());
+    assert!(close(even, [ALBEDO; 3]), "{even:?}");
+    assert!(!stdout(&run("explain", &scene)).contains("portals:"));
+    refused(&render(&[&scene[..], &["--portal", "plat"]].concat()), "portal 'plat'");
+}
+
 #[test]
 fn wrong_environments_are_named() {
     let folder = folder("environment-bad");

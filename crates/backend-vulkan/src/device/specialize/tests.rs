@@ -58,6 +58,10 @@ fn functions_of_absent_features_are_removed() {
     assert!(has(&glossy, "glossy_") && !has(&glossy, "rough_glass_"), "{glossy:?}");
     assert!(has(&rough, "rough_glass_"), "{rough:?}");
     assert!(plain.len() < glossy.len());
+    let emit = |features| functions(&with_features(&shaders::STAGES_EMIT, features));
+    let (sky, portals) = (Features::ENVIRONMENT, Features::ENVIRONMENT | Features::PORTALS);
+    assert!(has(&emit(sky), "environment_") && !has(&emit(sky), "portal"), "{:?}", emit(sky));
+    assert!(has(&emit(portals), "portals_sample"), "{:?}", emit(portals));
 }
 
 /// What is not understood is not changed.

@@ -32,7 +32,7 @@ impl Overrides {
         &self,
         with: &Environment,
         report: &mut LoadReport,
-    ) -> Result<EnvironmentDesc, SceneError> {
+    ) -> Result<Option<EnvironmentDesc>, SceneError> {
         let desc = match (&with.file, with.radiance, with.sky) {
             (Some(file), None, None) => {
                 let folder = self.path.parent().unwrap_or(Path::new(""));
@@ -40,6 +40,14 @@ impl Overrides {
             }
             (None, Some(radiance), None) => EnvironmentDesc::constant(radiance.rgb()),
             (None, None, Some(sky)) => EnvironmentDesc::sky(sky.elevation, sky.turbidity),
+            // Portals of an environment that is given elsewhere, as on the command line, or of directional lights.
+            (None, None, None) if !(with.portals.is_empty() && with.portal.is_empty()) => {
+                if (with.rotate_degrees, with.scale) != (0.0, 1.0) {
+                    let what = "[environment] has rotate_degrees or scale, but no light".to_owned();
+                    return Err(self.fault(what, "give it file, radiance or sky"));
+                }
+                return Ok(None);
+            }
             (None, None, None) => {
                 return Err(self.fault("[environment] is empty".to_owned(), "give it file, radiance or sky"));
             }
@@ -48,7 +56,27 @@ impl Overrides {
                 return Err(self.fault(what, "give one of them"));
             }
         };
-        Ok(desc.rotated(with.rotate_degrees).scaled(with.scale))
+        Ok(Some(desc.rotated(with.rotate_degrees).scaled(with.scale)))
+    }
+
+    pub(super) fn portals(&self, with: &Environment, frame: Frame, scene: &mut SceneBuilder) -> Result<(), SceneError> {
+        for name in &with.portals {
+            scene.portal_named(name);
+        }
+        for (index, portal) in with.portal.iter().enumerate() {
+            let name = portal.name.clone().unwrap_or_else(|| format!("override portal {index}"));
+            let corners: Vec<_> = portal.corners.iter().map(|&at| frame.place(portal.relative, at)).collect();
+            let triangles = match *corners {
+                [a, b, c] => vec![[a, b, c]],
+                [a, b, c, d] => vec![[a, b, c], [a, c, d]],
+                _ => {
+                    let what = format!("portal '{name}' has {} corners", corners.len());
+                    return Err(self.fault(what, "give three, or four in order around it"));
+                }
+            };
+            scene.portal(name, triangles);
+        }
+        Ok(())
     }
 
     pub(super) fn camera(&self, camera: &Camera, frame: Frame) -> Result<CameraDesc, SceneError> {

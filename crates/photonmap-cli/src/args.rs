@@ -129,8 +129,7 @@ impl SettingsArgs {
         let derived = matches!(estimator, Estimator::Radius { radius: None }) && irradiance_every.is_none();
         let adapts = derived && budget.passes.is_none() && budget.time.is_some();
         // The preset `final` has the settings that were measured to be best for a given time.
-        let timed =
-            adapts && budget.target_error.is_none() && budget.total_photons.is_none() && budget.preset.is_none();
+        let timed = derived && self.is_timed();
         let kind = if timed { Settings::preset(Preset::Final, pixels) } else { base.clone() };
         let bandwidth = match estimate.bandwidth {
             Some(bandwidth) => bandwidth,
@@ -165,6 +164,14 @@ impl SettingsArgs {
         settings.validate()?;
         self.plan(None).validate()?;
         Ok(settings)
+    }
+
+    /// Whether the time is given and nothing else that determines its use: settings that are not given are chosen for it.
+    #[must_use]
+    pub fn is_timed(&self) -> bool {
+        let budget = &self.budget;
+        let others = budget.target_error.is_some() || budget.total_photons.is_some() || budget.preset.is_some();
+        budget.time.is_some() && budget.passes.is_none() && !others
     }
 
     /// The estimator with its parameters from the options.

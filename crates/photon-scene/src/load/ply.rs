@@ -119,7 +119,7 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
         report.note(&subject, text);
         MaterialDesc { surface: Surface::Lambert { albedo: [1.0; 3] }, ..default_material() }
     } else {
-        report.approximated(
+        report.note(
             &subject,
             "it has no material, which this format does not define; it is made a diffuse grey of 0.5 named 'default'",
         );

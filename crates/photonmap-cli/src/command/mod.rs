@@ -10,6 +10,7 @@ pub mod map;
 mod map_search;
 pub mod merge;
 pub mod outlook;
+mod photon_share;
 pub mod picture;
 pub mod render;
 mod render_blocks;

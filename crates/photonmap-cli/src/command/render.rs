@@ -12,7 +12,7 @@ use photon_scene::Scene;
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen};
 use crate::command::picture::{self, Look};
-use crate::command::{render_blocks, render_film, render_passes};
+use crate::command::{photon_share, render_blocks, render_film, render_passes};
 use crate::fault::Fault;
 use crate::report::{self, Details};
 use crate::watch::Watch;
@@ -25,7 +25,7 @@ use crate::{atomic_write, load, memory, stdout};
 /// [`Fault::Failure`] if rendering or writing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     args.files.check()?;
-    let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
+    let mut settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     let outputs = outputs(args)?;
     render_blocks::check(args, &settings)?;
     render_film::check(args)?;
@@ -38,7 +38,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let seconds_load = begun.elapsed().as_secs_f64();
     let view = args.settings.picture.view(&scene)?;
     let begun_opening = Instant::now();
-    let mut renderers = start(args, &scene, view, &settings)?;
+    let mut renderers = start(args, &scene, view, &mut settings)?;
     let ready = Instant::now();
     let mut warnings = scene.warnings().to_vec();
     let starving = starving(&scene, &*renderers[0]);
@@ -192,9 +192,10 @@ fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
     few.map(warning).collect()
 }
 
-/// A renderer for each device, at least one.
-fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &Settings) -> Result<Vec<Box<dyn Render>>, Fault> {
+/// A renderer for each device, at least one; settings that are left to the program are chosen for the scene.
+fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &mut Settings) -> Result<Vec<Box<dyn Render>>, Fault> {
     if args.machine.several() {
+        let settings = &*settings;
         let devices = backend::open_devices(&args.machine.device)?;
         // The devices of one host compile their kernels at the same time.
         return std::thread::scope(|threads| {
@@ -212,11 +213,24 @@ fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &Settings) -> R
     };
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
-    let settings = &Settings { memory, ..settings.clone() };
     Ok(vec![match chosen {
-        Chosen::Cpu(on) => pipeline(on, scene, view, settings)?,
-        Chosen::Vulkan(on) => pipeline(*on, scene, view, settings)?,
+        Chosen::Cpu(on) => chosen_pipeline(on, args, scene, view, memory, settings)?,
+        Chosen::Vulkan(on) => chosen_pipeline(*on, args, scene, view, memory, settings)?,
     }])
+}
+
+fn chosen_pipeline<B: TransportBackend>(
+    on: B,
+    args: &RenderArgs,
+    scene: &Scene,
+    view: View,
+    memory: Option<u64>,
+    settings: &mut Settings,
+) -> Result<Box<dyn Render>, Fault> {
+    let within = Settings { memory, ..settings.clone() };
+    let (on, chosen) = photon_share::choose(on, args, scene, within)?;
+    *settings = Settings { memory: settings.memory, ..chosen.clone() };
+    pipeline(on, scene, view, &chosen)
 }
 
 fn pipeline<B: TransportBackend>(

@@ -233,3 +233,25 @@ fn transparent_pictures_have_the_alpha_of_their_format() {
         assert_eq!(opacity, (alpha[pixel] * 255.0 + 0.5) as u8);
     }
 }
+
+/// With a time limit under a sky, photons that bring little of the light are fewer; not if their number is given, nor where
+/// there is no sky.
+#[test]
+fn time_is_spent_where_the_light_is() {
+    let folder = folder("photon-share");
+    let report = folder.join("report.json");
+    let paths = |scene: &str, options: &[&str]| {
+        let output = photonmap("render")
+            .args([scene, "--size", "256x256", "--time", "0.1", "--backend", "cpu", "--json", report.to_str().unwrap()])
+            .args(["-o", folder.join("a.png").to_str().unwrap()])
+            .args(options)
+            .output()
+            .unwrap();
+        succeeded(&output);
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
+        (report["paths_per_pass"].as_u64().unwrap(), stderr(&output).contains("photons bring"))
+    };
+    assert_eq!(paths("sky", &[]), (16_384, true));
+    assert_eq!(paths("sky", &["--photons", "20000"]), (20_000, false));
+    assert_eq!(paths("cornell", &[]), (131_072, false));
+}

@@ -170,8 +170,6 @@ impl Meshes<'_> {
 
     /// The default material of surfaces without one: all properties have the default values of the format.
     fn default_material(&mut self, builder: &mut SceneBuilder) -> MaterialId {
-        *self
-            .default_material
-            .get_or_insert_with(|| builder.material(MaterialDesc::metal("default", [1.0; 3], 1.0)))
+        *self.default_material.get_or_insert_with(|| builder.material(MaterialDesc::metal("default", [1.0; 3], 1.0)))
     }
 }

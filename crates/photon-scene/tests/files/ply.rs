@@ -135,7 +135,7 @@ fn ply_attributes() {
     assert_eq!(scene.view().shading.colors[0].map(|color| color[0]), [0x8000_FFFF, u32::MAX, 0x0000_FFFF]);
     // Two channels of three are no colour.
     let (scene, report) = file("property uchar red\nproperty uchar blue\n", ["1 2", "3 4", "5 6"]);
-    assert!(scene.view().shading.colors.is_empty() && !report.is_exact());
+    assert!(scene.view().shading.colors.is_empty() && report.to_string().contains("grey of 0.5"), "{report}");
     let builder = |text: &str| photon_scene::load_ply(&folder.file("b.ply", text)).map(drop);
     assert!(builder("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty list int int s\nend_header\n0 0 0 1 5\n").is_ok());
 }

@@ -13,6 +13,7 @@ use super::specular_glossiness::{self, Converted, SpecularGlossiness};
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
 use crate::describe::AlphaMode;
+use crate::load::image::Image;
 use crate::report::LoadReport;
 use crate::texture::{TextureRef, TexturesDesc};
 
@@ -130,17 +131,28 @@ pub(super) fn read(
     if color_texture.is_none() {
         color = times(color, base_mean.map(|mean| mean.color));
     }
+    let mut old_color = None;
+    let mut old_textures = [None; 2];
     if let Some(old) = &old {
-        let shown = |mean: &Mean| format!("specular colour {:.3?}, glossiness {:.3}", mean.color, mean.alpha);
-        let mean = means.mean(old.texture, "specular colour and glossiness", shown)?;
-        let diffuse = times(color, base_mean.filter(|_| color_texture.is_some()).map(|mean| mean.color));
-        let (rough, converted) = old.convert(mean.as_ref(), diffuse, subject, means.report);
-        roughness = rough;
-        match converted {
+        let texture = means.image(old.texture, SPECULAR_GLOSSINESS)?;
+        let varied = texture.and_then(|texture| texture.used);
+        let mean = texture.filter(|_| varied.is_none()).map(|texture| texture.mean);
+        let is_black = color == [0.0; 3];
+        roughness = 1.0 - old.glossiness() * mean.as_ref().map_or(1.0, |mean| mean.alpha);
+        match old.convert(mean.as_ref(), (varied.is_some(), is_black), subject, means.report) {
             Converted::Metal(reflectance) => (color, color_texture, metallic) = (reflectance, None, 1.0),
             Converted::Coat(index) => ior = index,
+            Converted::Colored(specular) => (ior, old_color) = (0.0, Some(specular)),
+        }
+        if let (Some(used), Some(slot)) = (varied, old.texture) {
+            let rough = means.roughness_of_glossiness(slot, old.glossiness())?;
+            if rough.is_some() {
+                roughness = 1.0;
+            }
+            old_textures = [Some(used), rough];
         }
     }
+    let [old_specular, old_roughness] = old_textures;
     let volume = extensions.volume.as_ref();
     let specular = extensions.others.get("KHR_materials_specular");
     let slot = |name: &str| specular.and_then(|specular| Slot::of_json(specular.get(name)?));
@@ -208,7 +220,7 @@ pub(super) fn read(
         transmission,
         ior,
         specular: scale,
-        specular_color: times(specular_color, tint.and_then(|tint| tint.color())),
+        specular_color: old_color.unwrap_or(times(specular_color, tint.and_then(|tint| tint.color()))),
         is_solid: volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0),
         attenuation_color: volume.map_or([1.0; 3], |v| v.attenuation_color.0.map(f64::from)),
         attenuation_distance: volume.map_or(f64::INFINITY, |v| f64::from(v.attenuation_distance.0)),
@@ -219,10 +231,10 @@ pub(super) fn read(
             emission: glow.and_then(|glow| glow.used),
             normal,
             normal_scale: normal_map.map_or(1.0, |info| f64::from(info.scale)),
-            metallic_roughness,
+            metallic_roughness: metallic_roughness.or(old_roughness),
             alpha: base.filter(|base| !is_opaque && base.mean.alpha < 1.0).and_then(|base| base.used),
             specular: coat.and_then(|coat| coat.used),
-            specular_color: tint.and_then(|tint| tint.used),
+            specular_color: old_specular.or(tint.and_then(|tint| tint.used)),
             clearcoat: weight.and_then(|weight| weight.used),
             clearcoat_roughness: rough.and_then(|rough| rough.used),
             clearcoat_normal: coat_normal,
@@ -282,6 +294,8 @@ const METALLIC_ROUGHNESS: Role = Role { name: "metal and roughness", bytes: Texe
 const EMISSION: Role = Role { name: "emission", bytes: TexelFormat::Srgb8, is_factor: true };
 const SPECULAR: Role = Role { name: "specular", bytes: TexelFormat::Srgb8, is_factor: true };
 const SPECULAR_COLOR: Role = Role { name: "specular colour", bytes: TexelFormat::Srgb8, is_factor: true };
+const SPECULAR_GLOSSINESS: Role =
+    Role { name: "specular colour and glossiness", bytes: TexelFormat::Srgb8, is_factor: true };
 const CLEARCOAT_WEIGHT: Role = Role { name: "clearcoat", bytes: TexelFormat::Linear8, is_factor: true };
 const CLEARCOAT_ROUGHNESS: Role = Role { name: "clearcoat roughness", ..CLEARCOAT_WEIGHT };
 const TRANSMISSION: Role = Role { name: "transmission", ..CLEARCOAT_WEIGHT };
@@ -328,18 +342,15 @@ impl Images<'_, '_> {
         }
     }
 
-    /// The mean of a texture, if there is one and it can be read; `shown` formats it for the report.
-    fn mean(&mut self, slot: Option<Slot>, role: &str, shown: impl Fn(&Mean) -> String) -> Result<Option<Mean>, Fault> {
-        let Some(Slot { texture, .. }) = slot else { return Ok(None) };
-        match self.textures.mean(texture, self.part)? {
-            Ok(mean) if mean.is_uniform => Ok(Some(mean)),
-            Ok(mean) => {
-                let name = self.textures.name(texture);
-                let text = format!("{name} ({role}) is replaced by its mean: {}", shown(&mean));
-                self.report.approximated(self.subject, text);
-                Ok(Some(mean))
+    /// The texture of roughness for one of glossiness times `factor`.
+    fn roughness_of_glossiness(&mut self, slot: Slot, factor: f64) -> Result<Option<TextureRef>, Fault> {
+        let made = |image: &Image| specular_glossiness::roughness_image(image, factor);
+        match self.textures.add_made(slot.texture, self.part, made, self.builder)? {
+            Ok(texture) => Ok(Some(slot.used(texture))),
+            Err(why) => {
+                self.lose::<TextureRef>(slot.texture, "glossiness", &why);
+                Ok(None)
             }
-            Err(why) => Ok(self.lose(texture, role, &why)),
         }
     }
 

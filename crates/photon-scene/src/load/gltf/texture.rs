@@ -17,7 +17,7 @@ use crate::builder::SceneBuilder;
 use crate::extras::{self, ImageExtras, agreeing_floats};
 use crate::load::image::{Image, Room};
 use crate::report::LoadReport;
-use crate::texture::TextureId;
+use crate::texture::{TextureDesc, TextureId};
 
 /// The textures of a file, whose images are decoded on first use.
 pub(super) struct Textures<'a> {
@@ -62,22 +62,13 @@ impl<'a> Textures<'a> {
         })
     }
 
-    /// The mean of a texture, or the reason why there is none: an image that cannot be read only loses its
-    /// pattern and is no error.
+    /// The mean of a texture that the scene may get, or the reason why there is none: an image that cannot be read only loses
+    /// its pattern and is no error. The image is kept for [`Self::add`], unless it is of one colour.
     ///
     /// # Errors
     ///
     /// A reference to a texture or an image that the file does not have.
-    pub(super) fn mean(&self, texture: usize, user: &str) -> Result<Result<Mean, String>, Fault> {
-        self.look_at(texture, user, false)
-    }
-
-    /// The same of a texture that the scene may get: its image is kept for [`Self::add`], unless it is of one colour.
     pub(super) fn mean_and_image(&self, texture: usize, user: &str) -> Result<Result<Mean, String>, Fault> {
-        self.look_at(texture, user, true)
-    }
-
-    fn look_at(&self, texture: usize, user: &str, keep: bool) -> Result<Result<Mean, String>, Fault> {
         let image = match self.image_of(texture, user)? {
             Ok(image) => image,
             Err(why) => return Ok(Err(why)),
@@ -90,7 +81,7 @@ impl<'a> Textures<'a> {
         let mean = decoded.as_ref().map(Mean::of).map_err(Clone::clone);
         entry.mean = Some(mean.clone());
         // Images of which only the mean is needed do not take up memory.
-        let is_kept = keep && mean.as_ref().is_ok_and(|mean| !mean.is_uniform);
+        let is_kept = mean.as_ref().is_ok_and(|mean| !mean.is_uniform);
         entry.image = decoded.ok().filter(|_| is_kept).map(Rc::new);
         Ok(mean)
     }
@@ -99,7 +90,7 @@ impl<'a> Textures<'a> {
     ///
     /// # Errors
     ///
-    /// As [`Self::mean`].
+    /// As [`Self::mean_and_image`].
     pub(super) fn add(
         &self,
         texture: usize,
@@ -128,6 +119,39 @@ impl<'a> Textures<'a> {
             self.images.iter().for_each(|entry| entry.borrow_mut().image = None);
         }
         self.added.borrow_mut().insert(key, id);
+        Ok(Ok(id))
+    }
+
+    /// Adds a texture of bytes that is made from the image of a texture of the file, with its sampler; `made` has a texel for
+    /// each of the image.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::mean_and_image`].
+    pub(super) fn add_made(
+        &self,
+        texture: usize,
+        user: &str,
+        made: impl Fn(&Image) -> Vec<u32>,
+        builder: &mut SceneBuilder,
+    ) -> Result<Result<TextureId, String>, Fault> {
+        let index = match self.image_of(texture, user)? {
+            Ok(image) => image,
+            Err(why) => return Ok(Err(why)),
+        };
+        let known = self.images[index].borrow().image.clone();
+        let image = match known.map_or_else(|| self.decode(index).map(Rc::new), Ok) {
+            Ok(image) => image,
+            Err(why) => return Ok(Err(why)),
+        };
+        let (wrap, filter) = self.sampler(texture)?;
+        let size = [image.width, image.height];
+        let name = self.plain_name(texture);
+        let desc = TextureDesc::from_words(&name, size, TexelFormat::Linear8, made(&image).into());
+        let id = builder.texture(desc.wrapped(wrap).filtered(filter));
+        if self.room.borrow_mut().make(builder) {
+            self.images.iter().for_each(|entry| entry.borrow_mut().image = None);
+        }
         Ok(Ok(id))
     }
 

@@ -3,7 +3,7 @@
 use photon_core::TexelFormat;
 
 use super::file::{data_uri, png, says};
-use super::materials::{close, read, textured};
+use super::materials::{read, textured};
 use crate::describe::{MaterialDesc, Surface};
 use crate::report::LoadReport;
 use crate::shading::fold;
@@ -162,9 +162,17 @@ fn specular_glossiness_is_a_coat_or_a_metal() {
         (ior - 1.5).abs() < 1e-12 && report.is_exact() && says(&report, "it", "refractive index 1.500"),
         "{report}"
     );
-    let (coat, report) = of(r#""specularFactor": [0.01, 0.02, 0.09]"#);
-    let Surface::Glossy { ior, .. } = coat.surface else { panic!("{coat:?}") };
-    assert!((((ior - 1.0) / (ior + 1.0)).powi(2) - 0.04).abs() < 1e-12 && says(&report, "it", "its mean 0.040"));
+    // A colour, or a bright grey over a diffuse base: all light is reflected, times the specular colour.
+    for specular in [[0.01, 0.02, 0.09], [0.5, 0.5, 0.5], [1.0, 0.75, 0.25]] {
+        let [r, g, b] = specular;
+        let (coat, report) = of(&format!(
+            r#""diffuseFactor": [0.5, 0, 0, 1], "specularFactor": [{r}, {g}, {b}], "glossinessFactor": 0.25"#
+        ));
+        let base_color = [0.5, 0.0, 0.0];
+        let expected = Surface::Glossy { base_color, metallic: 0.0, roughness: 0.75, specular: 1.0, ior: 0.0 };
+        assert_eq!((&coat.surface, coat.specular_color), (&expected, specular));
+        assert!(report.is_exact() && says(&report, "it", "a coat of its specular colour"), "{report}");
+    }
     // Without specular reflection, it is diffuse.
     let (diffuse, _) = of(r#""diffuseFactor": [0.5, 0.25, 0, 1], "specularFactor": [0, 0, 0]"#);
     assert_eq!(diffuse, MaterialDesc::lambert("it", [0.5, 0.25, 0.0]));
@@ -172,9 +180,6 @@ fn specular_glossiness_is_a_coat_or_a_metal() {
         of(r#""diffuseFactor": [0, 0, 0, 1], "specularFactor": [1, 0.75, 0.25], "glossinessFactor": 0.5"#);
     assert_eq!(gold, MaterialDesc::metal("it", [1.0, 0.75, 0.25], 0.5));
     assert!(report.is_exact() && says(&report, "it", "a metal of its specular colour"), "{report}");
-    let (gold, report) = of(r#""diffuseFactor": [0.5, 0, 0, 1], "specularFactor": [1, 0.75, 0.25]"#);
-    assert_eq!(gold, MaterialDesc::mirror("it", [1.0, 0.75, 0.25]));
-    assert!(!report.is_exact() && says(&report, "it", "its diffuse colour, [0.500, 0.000, 0.000]"), "{report}");
 }
 
 #[test]
@@ -188,23 +193,34 @@ fn specular_glossiness_textures() {
     let Surface::Glossy { base_color, roughness, .. } = material.surface else { panic!("{material:?}") };
     assert_eq!((base_color, roughness), ([0.5, 1.0, 1.0], 0.0));
     assert!(material.textures.base_color.is_some() && is_exact(&report), "{report}");
-    // A metal has no use for it.
-    let json = json.replace("0.04, 0.04, 0.04", "1, 1, 1");
+    // Beside a bright specular colour, too.
+    let json = json.replace("0.04, 0.04, 0.04", "1, 0, 0");
     let (builder, report) = textured(&json, &texels).load();
-    assert_eq!(builder.materials[0], MaterialDesc::mirror("it", [1.0; 3]));
-    assert!(says(&report, "it", "its diffuse colour, [0.250, 0.000, 0.500] on average"), "{report}");
+    let material = &builder.materials[0];
+    assert!(material.textures.base_color.is_some() && material.specular_color == [1.0, 0.0, 0.0], "{report}");
+
+    // The texture of both becomes a specular colour and a roughness: 1 − 0.5 · 102/255 in bytes is 204.
     let json = specular_glossiness(
-        r#""diffuseFactor": [0, 0, 0, 1], "specularFactor": [1, 0.5, 1], "specularGlossinessTexture": {"index": 0}"#,
+        r#""diffuseFactor": [0, 0, 0, 1], "specularFactor": [1, 0.5, 1], "glossinessFactor": 0.5, "specularGlossinessTexture": {"index": 0}"#,
     );
-    let (builder, report) = textured(&json, &[[255, 255, 255, 0], [255, 255, 255, 102]]).load();
-    let Surface::Glossy { base_color, metallic, roughness, .. } = builder.materials[0].surface else { panic!() };
-    close(base_color, [1.0, 0.5, 1.0]);
-    assert!(metallic == 1.0 && (roughness - 0.8).abs() < 1e-12);
-    assert!(says(&report, "it", "(specular colour and glossiness) is replaced by its mean"), "{report}");
+    let (builder, report) = textured(&json, &[[255, 128, 0, 0], [255, 255, 255, 102]]).load();
+    let material = &builder.materials[0];
+    let expected = Surface::Glossy { base_color: [0.0; 3], metallic: 0.0, roughness: 1.0, specular: 1.0, ior: 0.0 };
+    assert_eq!((&material.surface, material.specular_color), (&expected, [1.0, 0.5, 1.0]));
+    let image = |used: Option<crate::TextureRef>| &builder.textures[used.unwrap().texture.0 as usize].image;
+    let (color, rough) = (image(material.textures.specular_color), image(material.textures.metallic_roughness));
+    assert_eq!((color.format, color.texels[0].to_le_bytes()[..3].to_vec()), (TexelFormat::Srgb8, vec![255, 128, 0]));
+    let green: Vec<u8> = rough.texels.iter().map(|texel| texel.to_le_bytes()[1]).collect();
+    assert_eq!((rough.format, green), (TexelFormat::Linear8, vec![255, 204]));
+    assert!(is_exact(&report), "{report}");
+    // Of one colour and glossiness, it is a factor.
+    let (builder, report) = textured(&json, &[[255, 255, 255, 102]]).load();
+    assert_eq!(builder.materials[0], MaterialDesc::metal("it", [1.0, 0.5, 1.0], 0.8));
+    assert!(builder.textures.is_empty() && is_exact(&report), "{report}");
     // One that cannot be read leaves the factors.
     let uri = data_uri("image/png", &png(&texels)[..20]);
     let (builder, report) = textured(&json, &texels).with("images", format!(r#"[{{"uri": "{uri}"}}]"#)).load();
-    assert_eq!(builder.materials[0], MaterialDesc::mirror("it", [1.0, 0.5, 1.0]));
+    assert_eq!(builder.materials[0], MaterialDesc::metal("it", [1.0, 0.5, 1.0], 0.5));
     assert!(says(&report, "it", "only its factor is used"), "{report}");
 }
 

@@ -126,12 +126,12 @@ fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault> {
 }
 
 fn blocks(args: &RenderArgs, settings: &Settings) -> Result<Blocks, Fault> {
-    let (plan, grain) = (args.settings.plan(None), args.film.grain.unwrap_or(1).max(1));
+    let (plan, grain) = (args.settings.plan(None), args.film.grain.unwrap_or(1));
     let passes = |count: u32| Blocks::new(plan.first..plan.first.saturating_add(count), grain);
     match (plan.until, plan.most_passes) {
         (Budget::Passes(count), _) => Ok(passes(count)?),
         (Budget::Error { target, share_of_pixels }, most) => {
-            let count = most.unwrap_or_else(|| plan.passes() - plan.passes() % grain);
+            let count = most.unwrap_or_else(|| plan.passes() - plan.passes() % grain.max(1));
             Ok(passes(count)?.with_target(ErrorTarget::new(target, share_of_pixels, settings)?))
         }
         _ => Err(Fault::input("--passes: is needed, or --target-error")),

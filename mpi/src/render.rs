@@ -11,7 +11,7 @@ use crate::exchange::Sums;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Outcome {
-    /// The last forecast, on rank 0, if the blocks have a target.
+    /// The error of the film, on rank 0, if the blocks have a target.
     pub reached: Option<Forecast>,
     /// The film, on rank 0; `None` on others, and if no block was finished.
     pub film: Option<Film>,
@@ -73,27 +73,28 @@ pub fn render(
     root.broadcast_into(&mut found);
     let mut contains = film.map_or_else(PassSet::default, |film| film.contains);
     let (mut outcome, mut failure, mut empty_sums) = (Outcome::default(), None, !continued);
-    let examine = |sums: &Sums<'_>, contains: &PassSet, outcome: &mut Outcome| -> Result<bool> {
-        let Some(target) = blocks.target() else { return Ok(false) };
+    // Whether to end, on all ranks; an error is that of rank 0, and the others stop.
+    let examine = |sums: &Sums<'_>, contains: &PassSet, outcome: &mut Outcome, failure: &mut Option<Error>| {
+        let Some(target) = blocks.target() else { return false };
         if ErrorTarget::next_look(found + outcome.passes, blocks.grain()) != found + outcome.passes {
-            return Ok(false);
+            return false;
         }
-        // 0: not yet; 1: small enough; 2: there is an error, which rank 0 returns.
-        let (mut answer, mut error) = (0_i32, None);
+        let (mut ends, mut fails) = (false, false);
         if let Some(film) = sums.gather((rank == 0).then(|| empty.clone()), contains) {
             match target.examine(&film, blocks.grain(), film.passes, 0.0) {
-                Ok(forecast) => {
-                    outcome.reached = forecast;
-                    answer = i32::from(forecast.is_some_and(|forecast| forecast.is_reached()));
+                Ok(forecast) => ends = forecast.is_some_and(|forecast| forecast.is_reached()),
+                Err(why) => {
+                    *failure = Some(why);
+                    (ends, fails) = (true, true);
                 }
-                Err(why) => (answer, error) = (2, Some(why)),
             }
         }
-        root.broadcast_into(&mut answer);
-        outcome.stopped |= answer == 2;
-        error.map_or(Ok(answer > 0), Err)
+        root.broadcast_into(&mut ends);
+        root.broadcast_into(&mut fails);
+        outcome.stopped |= fails;
+        ends
     };
-    let mut ends = continued && examine(&sums, &contains, &mut outcome)?;
+    let mut ends = continued && examine(&sums, &contains, &mut outcome, &mut failure);
     let mut start = blocks.passes().start;
     while !ends && start < blocks.passes().end {
         let round = round(blocks, start, found + outcome.passes, ranks);
@@ -123,7 +124,7 @@ pub fn render(
         if outcome.stopped {
             break;
         }
-        ends = examine(&sums, &contains, &mut outcome)?;
+        ends = examine(&sums, &contains, &mut outcome, &mut failure);
         let mut due = rank == 0 && checkpoints.due();
         root.broadcast_into(&mut due);
         if due && let Some(film) = sums.gather((rank == 0).then(|| empty.clone()), &contains) {
@@ -132,6 +133,13 @@ pub fn render(
     }
     if !empty_sums {
         outcome.film = sums.gather((rank == 0).then_some(empty), &contains);
+    }
+    if let (Some(target), Some(film)) = (blocks.target(), &outcome.film) {
+        outcome.reached = target.forecast(film, film.passes, 0.0);
+    }
+    // The caller gets no film with an error.
+    if let (Some(_), Some(film)) = (&failure, &outcome.film) {
+        checkpoints.save(film);
     }
     failure.map_or(Ok(outcome), Err)
 }

@@ -128,6 +128,7 @@ fn wrong_options_are_named_and_nobody_waits() {
     for (options, culprit) in [
         (&["--time", "3"][..], "--time"),
         (&["--passes", "3"], "grain 2"),
+        (&["--passes", "4", "--grain", "0"], "grain"),
         (&["--passes", "4", "--overrides", "missing.toml"], "missing.toml"),
         (&["--passes", "4", "--nonsense"], "--nonsense"),
     ] {

@@ -51,8 +51,10 @@ def render_blocks(
     first, radii = 0, None
     if film is not None and path is not None:
         first, radii = film.next_pass(0, passes, grain, seed, path), film.radii()
-        if first == passes or _is_reached(film, job, target, grain):
+        if first == passes or target is not None:
             _check_complete(job, film, path, grain)
+        if first == passes or _is_reached(film, job, target, grain):
+            reporter.add(first)
             return film
     reporter.add(first)
     starts = range(first, passes, grain)

@@ -40,6 +40,13 @@ pub fn in_an_even_environment<T: TestBackend>() {
         let mut mirror = renderer::<T>(builder, &settings).unwrap();
         let required = mirror.facts().required;
         assert!(!required.maps.any() && !required.shadow_rays && !required.final_gather, "{required:?}");
+        let mut unlit = ball(MaterialDesc::mirror("chrome", [0.5; 3]));
+        unlit.environment(EnvironmentMap::constant([2.0; 3]).unwrap());
+        let needs = photon_core::explain(&unlit.build().unwrap().view(), &settings);
+        let why = |what: &str| needs.iter().find(|need| need.what == what).unwrap();
+        for what in ["shadow rays", "final gathering", "map of scattered photons"] {
+            assert!(!why(what).needed && why(what).why.contains("camera paths find the light"), "{what}");
+        }
         for pass in 0..PASSES {
             mirror.pass(pass, &mut ()).unwrap();
         }

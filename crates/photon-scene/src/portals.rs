@@ -65,8 +65,7 @@ fn record(corners: [[f64; 3]; 3], frame: Frame, radius: f64) -> Result<Portal, (
         return Err((what, hint));
     }
     let portal = Portal::new(places.map(|at| at.to_array()));
-    let [a, b, c] = places;
-    let longest = (b - a).length_squared().max((c - a).length_squared()).max((c - b).length_squared());
+    let longest = longest_squared(places);
     let area = DVec3::from(portal.area.map(f64::from)).length();
     // Comparisons that fail for NaN.
     if !(area >= f64::from(Portal::MIN_AREA) && area >= MIN_SHARE * longest) {
@@ -74,6 +73,11 @@ fn record(corners: [[f64; 3]; 3], frame: Frame, radius: f64) -> Result<Portal, (
         return Err((format!("the triangle {corners:?} has no area"), hint.to_owned()));
     }
     Ok(portal)
+}
+
+/// Square of the longest edge.
+fn longest_squared([a, b, c]: [DVec3; 3]) -> f64 {
+    (b - a).length_squared().max((c - a).length_squared()).max((c - b).length_squared())
 }
 
 /// The triangles of the meshes that have this name, or a material of this name; those without area are left out.
@@ -89,9 +93,9 @@ fn named(scene: &SceneBuilder, name: &str) -> Result<Vec<[[f64; 3]; 3]>, SceneEr
     let all = meshes.flat_map(|mesh| mesh.triangles.iter().map(move |triangle| corners(mesh, triangle)));
     let found: Vec<_> = all
         .filter(|corners| {
-            let [a, b, c] = corners.map(DVec3::from_array);
-            let longest = (b - a).length_squared().max((c - a).length_squared());
-            0.5 * (b - a).cross(c - a).length() > MIN_SHARE * longest
+            let corners = corners.map(DVec3::from_array);
+            let [a, b, c] = corners;
+            0.5 * (b - a).cross(c - a).length() > 2.0 * MIN_SHARE * longest_squared(corners)
         })
         .collect();
     if found.is_empty() {

@@ -133,6 +133,7 @@ pub fn render_blocks(
         && let Some(end) = forecast(film, &looks, observer, &mut results.outcome)?
     {
         results.outcome.cancelled = end == End::Stopped;
+        looks.end(Some(film), &mut results.outcome);
         return Ok(results);
     }
     for start in blocks.passes().step_by(blocks.grain as usize) {
@@ -151,6 +152,7 @@ pub fn render_blocks(
     if film.is_none() && results.unfinished.is_none() {
         return Err(Error::Cancelled);
     }
+    looks.end(film.as_ref(), &mut results.outcome);
     Ok(results)
 }
 

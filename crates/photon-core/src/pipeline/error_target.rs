@@ -113,7 +113,8 @@ impl Looks {
         Self { target, grain, possible: found.saturating_add(more), begun: Instant::now(), found }
     }
 
-    /// The forecast if there is a target and the film is to be examined, which is also put into `outcome`.
+    /// The forecast if there is a target and the film is to be examined. Nothing is predicted of a film as it was found, since
+    /// the duration of its passes is not known: there is a forecast only if the target is reached.
     ///
     /// # Errors
     /// Those of [`ErrorTarget::examine`].
@@ -122,11 +123,19 @@ impl Looks {
         let passes = f64::from(film.passes.saturating_sub(self.found).max(1));
         let seconds = self.begun.elapsed().as_secs_f64() / passes;
         let forecast = target.examine(film, self.grain, self.possible, seconds)?;
-        if let Some(forecast) = forecast {
-            outcome.predicted.get_or_insert(forecast);
-            outcome.reached = Some(forecast);
-        }
+        let is_news = |forecast: &Forecast| film.passes > self.found || forecast.is_reached();
+        let forecast = forecast.filter(is_news);
+        outcome.predicted = outcome.predicted.or(forecast);
         Ok(forecast)
+    }
+
+    /// Puts the error of the film at the end into `outcome`.
+    pub(super) fn end(&self, film: Option<&Film>, outcome: &mut Outcome) {
+        if let (Some(target), Some(film)) = (self.target, film) {
+            let passes = f64::from(film.passes.saturating_sub(self.found).max(1));
+            let forecast = target.forecast(film, self.possible, self.begun.elapsed().as_secs_f64() / passes);
+            outcome.reached = forecast.filter(|_| film.passes >= ErrorTarget::LEAST);
+        }
     }
 }
 

@@ -44,10 +44,12 @@ fn run(
     after_block: &mut dyn FnMut(&Film) -> Result<()>,
 ) -> Result<BlockOutcome> {
     let mut results = BlockOutcome::default();
+    let looks = blocks.looks(film.as_ref());
     if let Some(film) = &*film
-        && let Some(end) = forecast(film, &blocks.looks(Some(film)), observer, &mut results.outcome)?
+        && let Some(end) = forecast(film, &looks, observer, &mut results.outcome)?
     {
         results.outcome.cancelled = end == End::Stopped;
+        looks.end(Some(film), &mut results.outcome);
         return Ok(results);
     }
     let queue = Queue::new(blocks.clone(), renderers.len());
@@ -265,7 +267,8 @@ fn collect(
             queue.added();
         }
     }
-    if let Some(error) = failure {
+    // What happened to blocks that are not needed does not matter.
+    if let Some(error) = failure.filter(|_| !is_reached) {
         return Err(error);
     }
     if film.is_none() && results.unfinished.is_none() {
@@ -274,6 +277,7 @@ fn collect(
     let passes = queue.blocks.passes();
     let all = (passes.end - passes.start) / queue.blocks.grain();
     results.outcome.cancelled = next != Some(all) && !is_reached;
+    looks.end(film.as_ref(), &mut results.outcome);
     Ok(results)
 }
 

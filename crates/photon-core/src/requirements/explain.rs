@@ -5,7 +5,7 @@ use crate::radius::radii;
 use crate::requirements::features::Features;
 use crate::requirements::map_kind::MapKind;
 use crate::requirements::photon_format::PhotonFormat;
-use crate::requirements::{Requirements, has_gloss_caustics, light_features, material_features};
+use crate::requirements::{Requirements, has_gloss_caustics, has_receiver, light_features, material_features};
 use crate::scene::SceneView;
 use crate::scene::light::Light;
 use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
@@ -240,8 +240,18 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             (false, false) => "there is one emissive triangle, or none",
         },
     );
+    if !has_receiver(scene) {
+        let of_receivers = needs.iter_mut().filter(|need| !need.needed && OF_RECEIVERS.contains(&need.what));
+        of_receivers.for_each(|need| need.why = NO_RECEIVER.to_owned());
+    }
     needs
 }
+
+/// What only surfaces need that store photons or reflect the light of shadow rays.
+const OF_RECEIVERS: [&str; 5] =
+    ["map of direct photons", "map of caustic photons", "map of scattered photons", "shadow rays", "final gathering"];
+
+const NO_RECEIVER: &str = "every surface is a mirror, smooth glass or black: camera paths find the light";
 
 /// Name of a map, and why it is filled or not.
 fn map(kind: MapKind, settings: &Settings, required: &Requirements) -> (&'static str, &'static str) {

@@ -33,11 +33,12 @@ impl Portal {
     #[must_use]
     pub fn new(corners: [[f64; 3]; 3]) -> Self {
         let [a, b, c] = corners.map(DVec3::from_array);
-        let edges = [b - a, c - a];
-        let area = 0.5 * edges[0].cross(edges[1]);
+        let edges = [b - a, c - a].map(|edge| edge.as_vec3());
+        // Of the edges as they are stored, so that densities and crossings agree.
+        let area = 0.5 * edges[0].as_dvec3().cross(edges[1].as_dvec3());
         Self {
             corner: a.as_vec3().to_array(),
-            edges: edges.map(|edge| edge.as_vec3().to_array()),
+            edges: edges.map(|edge| edge.to_array()),
             area: area.as_vec3().to_array(),
         }
     }

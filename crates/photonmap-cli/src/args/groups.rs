@@ -109,7 +109,8 @@ pub struct BudgetArgs {
     ///
     /// Passes are rendered until the time is used up. Unless --passes, --radius or a target is given, the radii are
     /// adapted to the time, --area and --bandwidth default to those of the preset `final`, and --photons to two per pixel
-    /// if that is less than without a time.
+    /// if that is less than without a time. Under an environment, if photons bring little of the light, --photons is an eighth
+    /// of that, and --area may be disc.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Stop at this relative error, such as 0.05.
@@ -241,7 +242,7 @@ pub struct MachineArgs {
     /// Vulkan devices: indices or parts of names as in `photonmap devices`, separated by commas, or `all` for all GPUs.
     ///
     /// Several devices render blocks of --grain passes. If they are of one kind, the picture does not depend on their number.
-    /// Passes are then given by --passes or --total-photons, as with --film.
+    /// Passes are then given by --passes, --total-photons or --target-error, as with --film.
     #[arg(long, value_name = "A,B,…|all", value_delimiter = ',', hide_short_help = true)]
     pub device: Vec<String>,
     /// Number of threads on the CPU [default: all cores].

@@ -25,6 +25,7 @@ pub struct InfoArgs {
 /// # Errors
 /// [`Fault::Input`] for a file that is no film, or a target that does not fit it; [`Fault::Failure`] if there is no forecast.
 pub fn run(args: &InfoArgs) -> Result<(), Fault> {
+    args.target.check(&args.film)?;
     stdout::write(text(&photon_film::read_info(&args.film)?).as_bytes())?;
     args.target.print(&args.film)
 }

@@ -29,6 +29,9 @@ pub struct MergeArgs {
 /// # Errors
 /// [`Fault::Input`] names the film that is damaged or does not fit; [`Fault::Failure`] if the file cannot be written.
 pub fn run(args: &MergeArgs) -> Result<(), Fault> {
+    if let Some(first) = args.films.first() {
+        args.target.check(first)?;
+    }
     let info = photon_film::merge(&args.output, &args.films)?;
     if !info.in_order {
         eprintln!(

@@ -21,6 +21,16 @@ pub struct TargetArgs {
 }
 
 impl TargetArgs {
+    /// Checks the target against a film of the settings that the films have.
+    ///
+    /// # Errors
+    /// [`Fault::Input`] for a target out of range, a film without error statistics, or a file that is no film.
+    pub(super) fn check(&self, path: &Path) -> Result<(), Fault> {
+        let Some(target) = self.target_error else { return Ok(()) };
+        let target = photon_film::read_info(path)?.key.error_target(target, self.share);
+        target.map(drop).map_err(|error| Fault::input(format!("{}: {error}", path.display())))
+    }
+
     /// Prints the error of the film, and on standard output the number of further passes if there is a target: an upper
     /// estimate, rounded up to whole blocks.
     ///

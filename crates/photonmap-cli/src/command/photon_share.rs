@@ -2,7 +2,8 @@
 #![expect(clippy::print_stderr, reason = "the choice goes to standard error")]
 
 use photon_core::{
-    Area, Bandwidth, Budget, CausticPhotons, Features, Film, Pipeline, Settings, TransportBackend, render,
+    Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, Features, Film, Pipeline, Settings, TransportBackend,
+    render,
 };
 use photon_scene::Scene;
 
@@ -40,7 +41,11 @@ pub(super) fn choose<B: TransportBackend>(
 ) -> Result<(B, Settings), Fault> {
     let is_open = Features::of(&scene.view()).contains(Features::ENVIRONMENT);
     let is_given = args.settings.photon.photons.is_some() || args.settings.estimate.area.is_some();
-    if !is_open || is_given || !args.settings.is_timed() || settings.photons / FEWER < LEAST {
+    // Radii have to be derived, so that those of fewer photons are larger.
+    let is_derived =
+        matches!(settings.estimator, Estimator::Radius { radius: None }) && settings.irradiance_every.is_none();
+    let is_left_to_us = is_derived && !is_given && args.settings.is_timed();
+    if !is_open || !is_left_to_us || settings.photons / FEWER < LEAST {
         return Ok((on, settings));
     }
     let mut picture = args.settings.picture.clone();
@@ -59,7 +64,7 @@ pub(super) fn choose<B: TransportBackend>(
     };
     let mut pilot = Pipeline::new(on, &scene.view(), picture.view(scene)?, small)?;
     render(&mut pilot, Budget::passes(PASSES), &mut ())?;
-    let share = share(&photon_core::Render::film(&mut pilot)?);
+    let share = share(&photon_core::Render::film(&mut pilot)?, settings.direct == Direct::Photons);
     let on = pilot.into_backend()?;
     if share >= SOME {
         return Ok((on, settings));
@@ -75,12 +80,13 @@ pub(super) fn choose<B: TransportBackend>(
 }
 
 /// The share of the light that photons bring, as a mean over the pixels that show a surface, so that bright pixels count no
-/// more than others.
-fn share(film: &Film) -> f64 {
+/// more than others. Direct light may be that of photons, or of shadow rays.
+fn share(film: &Film, direct_by_photons: bool) -> f64 {
     let shares = film.pixels.iter().filter(|pixel| pixel.hits > 0).filter_map(|pixel| {
         let [emission, direct, caustic, indirect] = pixel.layers.map(|layer| layer.iter().sum::<f64>());
         let all = emission + direct + caustic + indirect;
-        (all > 0.0).then(|| (caustic + indirect) / all)
+        let photons = caustic + indirect + if direct_by_photons { direct } else { 0.0 };
+        (all > 0.0).then(|| photons / all)
     });
     let (sum, count) = shares.fold((0.0, 0_u32), |(sum, count), share| (sum + share, count + 1));
     if count > 0 { sum / f64::from(count) } else { 0.0 }
@@ -93,13 +99,14 @@ mod tests {
     #[test]
     fn the_share_is_a_mean_over_surfaces() {
         let mut film = Film::new(4, 1, photon_core::Units::default()).unwrap();
-        assert!(share(&film) == 0.0);
+        assert!(share(&film, false) == 0.0);
         // Background, two surfaces, and a black one.
         film.pixels[0].layers[0] = [100.0; 3];
         for (pixel, layers) in [(1, [0.0, 3.0, 0.5, 0.5]), (2, [50.0, 0.0, 0.0, 50.0]), (3, [0.0; 4])] {
             film.pixels[pixel].hits = 1;
             film.pixels[pixel].layers = layers.map(|value| [value; 3]);
         }
-        assert!((share(&film) - 0.375).abs() < 1e-12);
+        assert!((share(&film, false) - 0.375).abs() < 1e-12);
+        assert!((share(&film, true) - 0.75).abs() < 1e-12);
     }
 }

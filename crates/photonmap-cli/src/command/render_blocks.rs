@@ -55,13 +55,15 @@ pub(super) fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault>
     blocks(args, settings, settings.photons, devices.len()).map(|_| ())
 }
 
-/// Passes in a block if there is neither a grain nor a number of passes, with several devices.
-const OPEN_GRAIN: u32 = 8;
+/// Most passes in a block with several devices, a target and no grain: the film is examined after whole blocks, which must
+/// not depend on the number of devices.
+const TARGET_GRAIN: u32 = 8;
 
 /// The blocks that the options ask for, with this many paths per pass.
 pub(super) fn blocks(args: &RenderArgs, settings: &Settings, photons: u32, devices: usize) -> Result<Blocks, Fault> {
     let plan = args.settings.plan(None);
-    let is_open = matches!(plan.until, Budget::Error { .. }) && plan.most_passes.is_none();
+    let has_target = matches!(plan.until, Budget::Error { .. });
+    let is_open = has_target && plan.most_passes.is_none();
     let count = match plan.until {
         Budget::Photons(all) => {
             let passes = u32::try_from(all.div_ceil(u64::from(photons.max(1)))).unwrap_or(u32::MAX);
@@ -73,7 +75,8 @@ pub(super) fn blocks(args: &RenderArgs, settings: &Settings, photons: u32, devic
     let grain = match (args.film.grain, &args.film.film) {
         (Some(grain), _) => grain,
         (None, Some(_)) => 1,
-        (None, None) if is_open => OPEN_GRAIN,
+        (None, None) if is_open => TARGET_GRAIN,
+        (None, None) if has_target => largest_grain(plan.first, count, TARGET_GRAIN),
         (None, None) => usual_grain(plan.first, count, devices),
     };
     let count = if is_open { count - count % grain.max(1) } else { count };
@@ -90,8 +93,13 @@ pub(super) fn blocks(args: &RenderArgs, settings: &Settings, photons: u32, devic
 /// devices finish at about the same time, and few films are copied.
 fn usual_grain(first: u32, count: u32, devices: usize) -> u32 {
     let most = count / u32::try_from(2 * devices).unwrap_or(u32::MAX).max(1);
+    largest_grain(first, count, most.clamp(1, 4096))
+}
+
+/// The largest grain up to `most` that divides the passes.
+fn largest_grain(first: u32, count: u32, most: u32) -> u32 {
     let whole = |grain: &u32| first.is_multiple_of(*grain) && count.is_multiple_of(*grain);
-    (1..=most.clamp(1, 4096)).rev().find(whole).unwrap_or(1)
+    (1..=most).rev().find(whole).unwrap_or(1)
 }
 
 /// Passes of blocks must not depend on memory.
@@ -182,7 +190,7 @@ pub(super) fn remaining(
 
 #[cfg(test)]
 mod tests {
-    use super::usual_grain;
+    use super::{TARGET_GRAIN, largest_grain, usual_grain};
 
     #[test]
     fn every_device_gets_two_blocks_if_the_passes_can_be_divided() {
@@ -192,5 +200,7 @@ mod tests {
         );
         // A prime number of passes, and fewer than devices.
         assert_eq!([usual_grain(0, 31, 2), usual_grain(0, 2, 8), usual_grain(3, 64, 2)], [1, 1, 1]);
+        // With a target it is that of any number of devices.
+        assert_eq!([96, 36, 7].map(|count| largest_grain(0, count, TARGET_GRAIN)), [8, 6, 7]);
     }
 }

@@ -13,7 +13,6 @@ use super::specular_glossiness::{self, Converted, SpecularGlossiness};
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
 use crate::describe::AlphaMode;
-use crate::load::image::Image;
 use crate::report::LoadReport;
 use crate::texture::{TextureRef, TexturesDesc};
 
@@ -344,7 +343,7 @@ impl Images<'_, '_> {
 
     /// The texture of roughness for one of glossiness times `factor`.
     fn roughness_of_glossiness(&mut self, slot: Slot, factor: f64) -> Result<Option<TextureRef>, Fault> {
-        let made = |image: &Image| specular_glossiness::roughness_image(image, factor);
+        let made = (factor, specular_glossiness::roughness_image);
         match self.textures.add_made(slot.texture, self.part, made, self.builder)? {
             Ok(texture) => Ok(Some(slot.used(texture))),
             Err(why) => {

@@ -26,6 +26,8 @@ pub(super) struct Textures<'a> {
     images: Vec<RefCell<Entry>>,
     /// The textures of the scene, by number and encoding of bytes.
     added: RefCell<BTreeMap<(usize, bool), TextureId>>,
+    /// Textures that were made from those of the file, by number and the bits of the factor.
+    made: RefCell<BTreeMap<(usize, u64), TextureId>>,
     room: RefCell<Room>,
 }
 
@@ -40,7 +42,7 @@ struct Entry {
 impl<'a> Textures<'a> {
     pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>) -> Self {
         let images = root.images.iter().map(|_| RefCell::default()).collect();
-        Self { root, buffers, images, added: RefCell::default(), room: RefCell::default() }
+        Self { root, buffers, images, added: RefCell::default(), made: RefCell::default(), room: RefCell::default() }
     }
 
     /// Name of a texture in messages: its number, and its own name or that of its image.
@@ -122,8 +124,8 @@ impl<'a> Textures<'a> {
         Ok(Ok(id))
     }
 
-    /// Adds a texture of bytes that is made from the image of a texture of the file, with its sampler; `made` has a texel for
-    /// each of the image.
+    /// Adds a texture of bytes that is made from the image of a texture of the file and a factor, with its sampler; `make`
+    /// gives a texel for each of the image.
     ///
     /// # Errors
     ///
@@ -132,9 +134,13 @@ impl<'a> Textures<'a> {
         &self,
         texture: usize,
         user: &str,
-        made: impl Fn(&Image) -> Vec<u32>,
+        (factor, make): (f64, impl Fn(&Image, f64) -> Vec<u32>),
         builder: &mut SceneBuilder,
     ) -> Result<Result<TextureId, String>, Fault> {
+        let key = (texture, factor.to_bits());
+        if let Some(known) = self.made.borrow().get(&key) {
+            return Ok(Ok(*known));
+        }
         let index = match self.image_of(texture, user)? {
             Ok(image) => image,
             Err(why) => return Ok(Err(why)),
@@ -147,11 +153,12 @@ impl<'a> Textures<'a> {
         let (wrap, filter) = self.sampler(texture)?;
         let size = [image.width, image.height];
         let name = self.plain_name(texture);
-        let desc = TextureDesc::from_words(&name, size, TexelFormat::Linear8, made(&image).into());
+        let desc = TextureDesc::from_words(&name, size, TexelFormat::Linear8, make(&image, factor).into());
         let id = builder.texture(desc.wrapped(wrap).filtered(filter));
         if self.room.borrow_mut().make(builder) {
             self.images.iter().for_each(|entry| entry.borrow_mut().image = None);
         }
+        self.made.borrow_mut().insert(key, id);
         Ok(Ok(id))
     }
 

@@ -9,7 +9,7 @@ use photon_core::{
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, Sun, shapes};
 
-use crate::equivalence::{rays, share};
+use crate::equivalence::{assert_start_alike, rays};
 use crate::harness::{TestBackend, trace};
 use crate::stats::assert_agrees;
 
@@ -235,19 +235,12 @@ pub fn photons_leave_alike_through_portals<A: TestBackend, B: TestBackend>() {
                 [(RandomKind::Counter, None), (RandomKind::Sobol, None), (RandomKind::Sobol, Some(&projection))]
             {
                 let settings = Settings { seed: 11, random, ..Settings::default() };
-                let (a, b) = (
-                    rays::<A>(&scene, &settings, projection, 20_000),
-                    rays::<B>(&scene, &settings, projection, 20_000),
+                assert_start_alike::<A, B>(
+                    &scene,
+                    &settings,
+                    projection,
+                    &format!("{lit:?}, portals {name}, {random:?}"),
                 );
-                let near = |a: [f32; 3], b: [f32; 3], bound: f32| Vec3::from(a).distance(Vec3::from(b)) <= bound;
-                let same = |a: &PhotonRay, b: &PhotonRay| {
-                    (a.path, a.light) == (b.path, b.light)
-                        && near(a.origin, b.origin, 1e-5)
-                        && near(a.direction, b.direction, 1e-5)
-                        && near(a.power, b.power, 1e-5 * Vec3::from(a.power).length())
-                };
-                let share = share(&a, &b, same);
-                assert!(a.len() == 20_000 && share >= 0.9999, "{lit:?}, portals {name}, {random:?}: {share}");
             }
         }
     }

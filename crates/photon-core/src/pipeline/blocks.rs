@@ -129,11 +129,7 @@ pub fn render_blocks(
 ) -> Result<BlockOutcome> {
     let mut results = BlockOutcome::default();
     let looks = blocks.looks(film.as_ref());
-    if let Some(film) = &*film
-        && let Some(end) = forecast(film, &looks, observer, &mut results.outcome)?
-    {
-        results.outcome.cancelled = end == End::Stopped;
-        looks.end(Some(film), &mut results.outcome);
+    if looks.found_reached(film.as_ref(), &mut results.outcome)? {
         return Ok(results);
     }
     for start in blocks.passes().step_by(blocks.grain as usize) {

@@ -113,8 +113,19 @@ impl Looks {
         Self { target, grain, possible: found.saturating_add(more), begun: Instant::now(), found }
     }
 
-    /// The forecast if there is a target and the film is to be examined. Nothing is predicted of a film as it was found, since
-    /// the duration of its passes is not known: there is a forecast only if the target is reached.
+    /// Whether the film that was found has reached the target, which `outcome` then says. Nothing is predicted of it, since
+    /// the duration of its passes is not known.
+    ///
+    /// # Errors
+    /// Those of [`ErrorTarget::examine`].
+    pub(super) fn found_reached(&self, film: Option<&Film>, outcome: &mut Outcome) -> Result<bool> {
+        let (Some(target), Some(film)) = (self.target, film) else { return Ok(false) };
+        let forecast = target.examine(film, self.grain, self.possible, 0.0)?;
+        outcome.reached = forecast.filter(Forecast::is_reached);
+        Ok(outcome.reached.is_some())
+    }
+
+    /// The forecast if there is a target and the film is to be examined, which is also put into `outcome`.
     ///
     /// # Errors
     /// Those of [`ErrorTarget::examine`].
@@ -123,15 +134,16 @@ impl Looks {
         let passes = f64::from(film.passes.saturating_sub(self.found).max(1));
         let seconds = self.begun.elapsed().as_secs_f64() / passes;
         let forecast = target.examine(film, self.grain, self.possible, seconds)?;
-        let is_news = |forecast: &Forecast| film.passes > self.found || forecast.is_reached();
-        let forecast = forecast.filter(is_news);
         outcome.predicted = outcome.predicted.or(forecast);
+        outcome.reached = forecast.or(outcome.reached);
         Ok(forecast)
     }
 
-    /// Puts the error of the film at the end into `outcome`.
+    /// Puts the error of the film at the end into `outcome`, unless that is known.
     pub(super) fn end(&self, film: Option<&Film>, outcome: &mut Outcome) {
-        if let (Some(target), Some(film)) = (self.target, film) {
+        if let (Some(target), Some(film)) = (self.target, film)
+            && outcome.reached.is_none_or(|reached| reached.passes != film.passes)
+        {
             let passes = f64::from(film.passes.saturating_sub(self.found).max(1));
             let forecast = target.forecast(film, self.possible, self.begun.elapsed().as_secs_f64() / passes);
             outcome.reached = forecast.filter(|_| film.passes >= ErrorTarget::LEAST);

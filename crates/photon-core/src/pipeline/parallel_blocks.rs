@@ -10,6 +10,7 @@ use crate::backend::observer::{Event, Observer, PassReport, show};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::pipeline::blocks::{BlockOutcome, Blocks, End, add, block, forecast};
+use crate::pipeline::error_target::Looks;
 use crate::pipeline::render::{Outcome, Render};
 
 /// Renders blocks with several renderers of the same scene, view and settings, each in a thread of its own: for example one
@@ -45,11 +46,7 @@ fn run(
 ) -> Result<BlockOutcome> {
     let mut results = BlockOutcome::default();
     let looks = blocks.looks(film.as_ref());
-    if let Some(film) = &*film
-        && let Some(end) = forecast(film, &looks, observer, &mut results.outcome)?
-    {
-        results.outcome.cancelled = end == End::Stopped;
-        looks.end(Some(film), &mut results.outcome);
+    if looks.found_reached(film.as_ref(), &mut results.outcome)? {
         return Ok(results);
     }
     let queue = Queue::new(blocks.clone(), renderers.len());
@@ -61,7 +58,7 @@ fn run(
         }
         // The channel ends with the last of the workers.
         drop(sender);
-        collect(&queue, &messages, film, observer, after_block)
+        collect(&queue, &messages, (film, looks), observer, after_block)
     })
 }
 
@@ -202,14 +199,13 @@ fn work(renderer: &mut dyn Render, queue: &Queue, sender: &Sender<Message>) {
 fn collect(
     queue: &Queue,
     messages: &Receiver<Message>,
-    film: &mut Option<Film>,
+    (film, looks): (&mut Option<Film>, Looks),
     observer: &mut dyn Observer,
     after_block: &mut dyn FnMut(&Film) -> Result<()>,
 ) -> Result<BlockOutcome> {
     let mut results = BlockOutcome::default();
     let mut waiting = BTreeMap::new();
     let (mut failure, mut is_reached) = (None, false);
-    let looks = queue.blocks.looks(film.as_ref());
     // Number of the next block to add; `None` after one that is not whole.
     let mut next = Some(0);
     for message in messages {

@@ -104,22 +104,12 @@ impl<'a> Textures<'a> {
         if let Some(known) = self.added.borrow().get(&key) {
             return Ok(Ok(*known));
         }
-        let index = match self.image_of(texture, user)? {
+        let image = match self.image(texture, user)? {
             Ok(image) => image,
             Err(why) => return Ok(Err(why)),
         };
-        let known = self.images[index].borrow().image.clone();
-        let image = match known.map_or_else(|| self.decode(index).map(Rc::new), Ok) {
-            Ok(image) => image,
-            Err(why) => return Ok(Err(why)),
-        };
-        self.images[index].borrow_mut().image = Some(Rc::clone(&image));
-        let (wrap, filter) = self.sampler(texture)?;
-        let desc = image.texture(self.plain_name(texture), bytes).wrapped(wrap).filtered(filter);
-        let id = builder.texture(desc);
-        if self.room.borrow_mut().make(builder) {
-            self.images.iter().for_each(|entry| entry.borrow_mut().image = None);
-        }
+        let desc = image.texture(self.plain_name(texture), bytes);
+        let id = self.place(texture, desc, builder)?;
         self.added.borrow_mut().insert(key, id);
         Ok(Ok(id))
     }
@@ -141,25 +131,39 @@ impl<'a> Textures<'a> {
         if let Some(known) = self.made.borrow().get(&key) {
             return Ok(Ok(*known));
         }
-        let index = match self.image_of(texture, user)? {
+        let image = match self.image(texture, user)? {
             Ok(image) => image,
+            Err(why) => return Ok(Err(why)),
+        };
+        let (name, size) = (self.plain_name(texture), [image.width, image.height]);
+        let desc = TextureDesc::from_words(&name, size, TexelFormat::Linear8, make(&image, factor).into());
+        let id = self.place(texture, desc, builder)?;
+        self.made.borrow_mut().insert(key, id);
+        Ok(Ok(id))
+    }
+
+    /// The image of a texture, which is kept, or the reason why there is none.
+    fn image(&self, texture: usize, user: &str) -> Result<Result<Rc<Image>, String>, Fault> {
+        let index = match self.image_of(texture, user)? {
+            Ok(index) => index,
             Err(why) => return Ok(Err(why)),
         };
         let known = self.images[index].borrow().image.clone();
-        let image = match known.map_or_else(|| self.decode(index).map(Rc::new), Ok) {
-            Ok(image) => image,
-            Err(why) => return Ok(Err(why)),
-        };
+        let image = known.map_or_else(|| self.decode(index).map(Rc::new), Ok);
+        if let Ok(image) = &image {
+            self.images[index].borrow_mut().image = Some(Rc::clone(image));
+        }
+        Ok(image)
+    }
+
+    /// Adds a texture with the sampler of one of the file, and makes room for it.
+    fn place(&self, texture: usize, desc: TextureDesc, builder: &mut SceneBuilder) -> Result<TextureId, Fault> {
         let (wrap, filter) = self.sampler(texture)?;
-        let size = [image.width, image.height];
-        let name = self.plain_name(texture);
-        let desc = TextureDesc::from_words(&name, size, TexelFormat::Linear8, make(&image, factor).into());
         let id = builder.texture(desc.wrapped(wrap).filtered(filter));
         if self.room.borrow_mut().make(builder) {
             self.images.iter().for_each(|entry| entry.borrow_mut().image = None);
         }
-        self.made.borrow_mut().insert(key, id);
-        Ok(Ok(id))
+        Ok(id)
     }
 
     /// Says in the report what was reduced for want of memory.

@@ -63,7 +63,8 @@ pub fn in_an_even_environment<T: TestBackend>() {
 
         let mut builder = ball(MaterialDesc::glass("glass", 1.5));
         builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap());
-        let mut glass = renderer::<T>(builder, &settings).unwrap();
+        // Flat triangles reflect light totally that a smooth ball would let out: with 64 bounces 0.2 % is still inside.
+        let mut glass = renderer::<T>(builder, &Settings { max_bounces: 4096, ..settings }).unwrap();
         for pass in 0..PASSES {
             glass.pass(pass, &mut ()).unwrap();
         }

@@ -9,6 +9,7 @@ mod extremes;
 mod full;
 mod graph;
 mod links;
+mod listed;
 mod loaders;
 mod msrv;
 mod package;

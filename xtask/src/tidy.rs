@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::shell;
+use crate::{listed, shell};
 
 /// Longer files should be split.
 const MAX_LINES: usize = 500;
@@ -45,6 +45,7 @@ pub(crate) fn step() -> Result<(), String> {
             faults.extend(faults_of(name, text));
         }
     }
+    faults.extend(listed::faults()?);
     if faults.is_empty() {
         eprintln!("{count} files, all tidy");
         return Ok(());

@@ -225,6 +225,23 @@ pub enum SceneError {
         /// What would be valid.
         hint: String,
     },
+    /// A file needs more memory than [`LoadOptions::memory`](crate::LoadOptions::memory) allows.
+    #[error(
+        "{}: {object} needs {} of memory, but {} are left of the {} that loading may take; use smaller images or less of the scene, or allow more memory",
+        path.display(), bytes_text(*needed), bytes_text(*left), bytes_text(*limit)
+    )]
+    Memory {
+        /// Path of the file.
+        path: PathBuf,
+        /// What needs it: the texture and its material, with its size, or another part of the file.
+        object: String,
+        /// Bytes that it needs.
+        needed: u64,
+        /// Bytes that are left for it.
+        left: u64,
+        /// The limit, in bytes.
+        limit: u64,
+    },
     /// No loader supports this file format.
     #[error("{}: unknown scene file format; supported are {supported}", path.display())]
     UnknownFormat {
@@ -233,4 +250,21 @@ pub enum SceneError {
         /// The supported formats.
         supported: &'static str,
     },
+}
+
+/// A number of bytes for people.
+fn bytes_text(bytes: u64) -> String {
+    const UNITS: [(u64, &str); 2] = [(1 << 20, "MiB"), (1 << 10, "KiB")];
+    let unit = UNITS.into_iter().find(|(unit, _)| bytes >= *unit);
+    unit.map_or_else(|| format!("{bytes} bytes"), |(unit, name)| format!("{:.1} {name}", bytes as f64 / unit as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_readable() {
+        assert_eq!([1023, 1024, 3 << 19, 5 << 30].map(bytes_text), ["1023 bytes", "1.0 KiB", "1.5 MiB", "5120.0 MiB"]);
+    }
 }

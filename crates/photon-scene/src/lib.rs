@@ -40,7 +40,8 @@ pub use environment::{Environment, EnvironmentDesc, EnvironmentSource, Sun};
 pub use error::SceneError;
 #[cfg(feature = "files")]
 pub use load::{
-    Image, ImageError, LightUnits, Overrides, load, load_builder, load_gltf, load_image, load_obj, load_ply,
+    Image, ImageError, LightUnits, LoadOptions, Overrides, load, load_builder, load_builder_with, load_gltf,
+    load_image, load_obj, load_ply,
 };
 pub use mesh::VertexAttributes;
 pub use report::{LoadReport, ReportKind, ReportLine};

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::EnvironmentDesc;
 use crate::error::SceneError;
-use crate::load::{Image, load_image};
+use crate::load::budget::Budget;
+use crate::load::{Image, LoadOptions, image_bytes, load_image};
 use crate::report::LoadReport;
 
 impl EnvironmentDesc {
@@ -15,6 +16,21 @@ impl EnvironmentDesc {
     /// # Errors
     /// As [`load_image`]; [`SceneError::Environment`] for an infinite texel.
     pub fn read(path: &Path, report: &mut LoadReport) -> Result<Self, SceneError> {
+        Self::read_within(path, report, &Budget::unlimited())
+    }
+
+    /// As [`Self::read`], with options: a limit on memory.
+    ///
+    /// # Errors
+    /// As [`Self::read`], and [`SceneError::Memory`] for an image that does not fit, before it is decoded.
+    pub fn read_with(path: &Path, report: &mut LoadReport, options: &LoadOptions) -> Result<Self, SceneError> {
+        Self::read_within(path, report, &Budget::new(options))
+    }
+
+    pub(crate) fn read_within(path: &Path, report: &mut LoadReport, budget: &Budget) -> Result<Self, SceneError> {
+        if let Some(needed) = image_bytes(path, budget) {
+            budget.check(needed, || "the image of the environment".to_owned()).map_err(|why| why.in_file(path))?;
+        }
         Self::of_image(path.display().to_string(), &load_image(path)?, report)
     }
 

@@ -42,6 +42,7 @@ mod punctual;
 mod skin;
 mod slot;
 mod specular_glossiness;
+mod survey;
 mod texture;
 mod uri;
 
@@ -57,8 +58,9 @@ use self::fault::{Fault, label};
 use self::meshes::Meshes;
 use self::texture::Textures;
 pub(in crate::load) use self::uri::leaves_folder;
+use super::budget::Budget;
 use super::light_units::LIGHTS;
-use super::read;
+use super::read_within;
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;
 use crate::extras::{self, NodeExtras};
@@ -72,20 +74,35 @@ use crate::report::LoadReport;
 /// refers to is missing, truncated or inconsistent, or requires an extension that is not supported.
 /// Numbers out of range (an albedo of 2) are reported by [`SceneBuilder::build`].
 pub fn load_gltf(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
-    let bytes = read(path)?;
+    load_within(path, &Budget::unlimited())
+}
+
+/// As [`load_gltf`], within a limit on memory.
+pub(in crate::load) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), SceneError> {
+    let bytes = read_within(path, budget, 1)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    assemble(&bytes, folder).map_err(|fault| fault.in_file(path))
+    assemble_within(&bytes, folder, budget).map_err(|fault| fault.in_file(path))
+}
+
+#[cfg(test)]
+fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), Fault> {
+    assemble_within(bytes, folder, &Budget::unlimited())
 }
 
 /// Builds the scene from the bytes of a file; relative URIs are resolved in `folder`.
-fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), Fault> {
+fn assemble_within(bytes: &[u8], folder: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), Fault> {
     let mut report = LoadReport::default();
     let mut builder = SceneBuilder::new();
+    if !bytes.starts_with(container::MAGIC) {
+        // The document as it is parsed, with its data URIs.
+        budget.take(2 * bytes.len() as u64, || "its JSON".to_owned())?;
+    }
     let (root, bin) = container::open(bytes, &mut report)?;
     extensions::check(&root, &mut report)?;
-    let buffers = Buffers::new(&root, folder, bin);
+    let buffers = Buffers::new(&root, folder, bin, budget);
 
-    let textures = Textures::new(&root, &buffers);
+    let mut textures = Textures::new(&root, &buffers);
+    survey::plan(&mut textures)?;
     let mut materials = Vec::with_capacity(root.materials.len());
     for index in 0..root.materials.len() {
         let desc = material::describe(&root, index, &textures, &mut builder, &mut report)?;
@@ -96,6 +113,7 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
     let mut meshes = Meshes {
         root: &root,
         accessors: Accessors::new(&root, &buffers),
+        budget,
         materials,
         default_material: None,
         elements: 0,

@@ -1,5 +1,6 @@
 //! Loading of scenes from files.
 
+pub(crate) mod budget;
 mod gltf;
 mod image;
 mod light_units;
@@ -11,6 +12,7 @@ mod polygon;
 mod schema;
 mod starter;
 
+use self::budget::Budget;
 use crate::builder::SceneBuilder;
 use crate::describe::MaterialDesc;
 use crate::error::SceneError;
@@ -18,7 +20,9 @@ use crate::report::LoadReport;
 use crate::scene::Scene;
 use std::path::Path;
 
+pub use self::budget::LoadOptions;
 pub use self::gltf::load_gltf;
+pub(crate) use self::image::image_bytes;
 pub use self::image::{Image, ImageError, load_image};
 pub use self::light_units::LightUnits;
 pub use self::obj::load_obj;
@@ -43,15 +47,28 @@ pub fn load(path: &Path, overrides: Option<&Overrides>) -> Result<(Scene, LoadRe
 /// # Errors
 /// As [`load`], without the errors of [`crate::SceneBuilder::build`].
 pub fn load_builder(path: &Path, overrides: Option<&Overrides>) -> Result<(SceneBuilder, LoadReport), SceneError> {
+    load_builder_with(path, overrides, &LoadOptions::default())
+}
+
+/// As [`load_builder`], with options: a limit on memory.
+///
+/// # Errors
+/// As [`load_builder`], and [`SceneError::Memory`] for what does not fit, before it is read or decoded.
+pub fn load_builder_with(
+    path: &Path,
+    overrides: Option<&Overrides>,
+    options: &LoadOptions,
+) -> Result<(SceneBuilder, LoadReport), SceneError> {
+    let budget = Budget::new(options);
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
     let (mut builder, mut report) = match extension.as_deref() {
-        Some("gltf" | "glb") => load_gltf(path)?,
-        Some("obj") => load_obj(path)?,
-        Some("ply") => load_ply(path)?,
+        Some("gltf" | "glb") => gltf::load_within(path, &budget)?,
+        Some("obj") => obj::load_within(path, &budget)?,
+        Some("ply") => ply::load_within(path, &budget)?,
         _ => return Err(SceneError::UnknownFormat { path: path.to_owned(), supported: ".gltf, .glb, .obj and .ply" }),
     };
     if let Some(overrides) = overrides {
-        overrides.apply(&mut builder, &mut report)?;
+        overrides.apply_within(&mut builder, &mut report, &budget)?;
     }
     if !builder.has_camera() {
         let camera = builder.frame_camera();
@@ -77,14 +94,25 @@ fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
     std::fs::read(path).map_err(wrong)
 }
 
+/// As [`read`], if `factor` times its length fits into memory.
+fn read_within(path: &Path, budget: &Budget, factor: u64) -> Result<Vec<u8>, SceneError> {
+    let length = std::fs::metadata(path).map_or(0, |data| data.len());
+    budget.take(length.saturating_mul(factor), || "the file".to_owned()).map_err(|shortage| shortage.in_file(path))?;
+    read(path)
+}
+
 /// Reads the text of a file in a format that does not define an encoding.
 fn read_text(path: &Path) -> Result<String, SceneError> {
+    read(path).map(text_of)
+}
+
+fn text_of(bytes: Vec<u8>) -> String {
     // Only names and comments can contain characters other than ASCII, and a name decodes to the same
     // text wherever it occurs.
-    Ok(match String::from_utf8(read(path)?) {
+    match String::from_utf8(bytes) {
         Ok(text) => text,
         Err(other) => String::from_utf8_lossy(other.as_bytes()).into_owned(),
-    })
+    }
 }
 
 /// Material of meshes without one.

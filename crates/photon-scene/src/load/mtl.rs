@@ -4,11 +4,13 @@ mod glossy;
 mod images;
 mod map;
 mod metallic_roughness;
+mod survey;
 mod translate;
 
 use self::images::Images;
 use self::map::Map;
 use self::translate::Translation;
+use super::budget::{Budget, Shortage};
 use super::read_text;
 use crate::builder::SceneBuilder;
 use crate::describe::MaterialDesc;
@@ -94,12 +96,21 @@ impl Library {
     }
 
     /// Converts each material to the renderer's model, and adds its textures to the scene; losses are reported.
-    pub(super) fn describe(&self, builder: &mut SceneBuilder, report: &mut LoadReport) -> Vec<MaterialDesc> {
-        let mut images = Images::default();
+    ///
+    /// # Errors
+    /// Textures that do not fit into memory.
+    pub(super) fn describe(
+        &self,
+        builder: &mut SceneBuilder,
+        report: &mut LoadReport,
+        budget: &Budget,
+    ) -> Result<Vec<MaterialDesc>, Shortage> {
+        let mut images = Images::new(survey::plan(self, budget)?);
         let describe = |material| Translation { material, images: &mut images, builder, report }.describe();
         let descs = self.entries.iter().map(describe).collect();
+        images.plan.report(report);
         images.room.report(builder, report);
-        descs
+        Ok(descs)
     }
 }
 

@@ -10,8 +10,9 @@ mod statements;
 use self::census::Census;
 use self::group::{Corner, Group, NONE, Pools};
 use self::statements::{resolve, statements};
+use super::budget::Budget;
 use super::mtl::Library;
-use super::{default_material, read_text, stem};
+use super::{default_material, read_within, stem, text_of};
 use crate::builder::{MaterialId, SceneBuilder};
 use crate::color::srgb_to_linear;
 use crate::describe::MaterialDesc;
@@ -31,7 +32,15 @@ use std::path::Path;
 /// # Errors
 /// A file that cannot be read, or an invalid statement; the error has its line number.
 pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
-    let text = read_text(path)?;
+    load_within(path, &Budget::unlimited())
+}
+
+/// Bytes of the text and of what is read from it, for each byte of the file.
+const BYTES_PER_BYTE: u64 = 4;
+
+/// As [`load_obj`], within a limit on memory.
+pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), SceneError> {
+    let text = text_of(read_within(path, budget, BYTES_PER_BYTE)?);
     // A line that is joined to the previous one is not a statement of its own here either.
     let is_vertex = |(statement, _): &(Cow<'_, str>, usize)| statement.split_whitespace().next() == Some("v");
     let vertices = statements(&text).filter(is_vertex).count();
@@ -55,7 +64,7 @@ pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     for (statement, line) in statements(&text) {
         reader.statement(&statement, line)?;
     }
-    Ok(reader.finish())
+    reader.finish(budget)
 }
 
 struct Reader<'a> {
@@ -201,9 +210,10 @@ impl Reader<'_> {
         group
     }
 
-    fn finish(mut self) -> (SceneBuilder, LoadReport) {
+    fn finish(mut self, budget: &Budget) -> Result<(SceneBuilder, LoadReport), SceneError> {
         let mut builder = SceneBuilder::new();
-        let descs = self.library.describe(&mut builder, &mut self.report);
+        let descs = self.library.describe(&mut builder, &mut self.report, budget);
+        let descs = descs.map_err(|shortage| shortage.in_file(self.path))?;
         let ids: Vec<MaterialId> = descs.into_iter().map(|desc| builder.material(desc)).collect();
         // Materials that are not defined anywhere, and the one of faces without material; under their names, so that an
         // override file can define them.
@@ -240,6 +250,6 @@ impl Reader<'_> {
             builder.mesh_with(object, positions, triangles, attributes, material);
         }
         self.census.report(&mut self.report);
-        (builder, self.report)
+        Ok((builder, self.report))
     }
 }

@@ -5,6 +5,7 @@ mod frame;
 
 use self::add::add_light;
 use self::frame::Frame;
+use super::budget::Budget;
 use super::light_units::LightUnits;
 use super::schema::{File, Kind, Material};
 use crate::builder::SceneBuilder;
@@ -74,6 +75,16 @@ impl Overrides {
     /// A material that does not exist, a property that its kind does not have, a camera without or
     /// with two projections, an environment that cannot be read or is invalid; the error has the name.
     pub fn apply(&self, scene: &mut SceneBuilder, report: &mut LoadReport) -> Result<(), SceneError> {
+        self.apply_within(scene, report, &Budget::unlimited())
+    }
+
+    /// As [`Self::apply`], within a limit on memory.
+    pub(super) fn apply_within(
+        &self,
+        scene: &mut SceneBuilder,
+        report: &mut LoadReport,
+        budget: &Budget,
+    ) -> Result<(), SceneError> {
         let frame = Frame::of(scene);
         if let Some(units) = self.file.light_units {
             units.convert(scene, report);
@@ -92,7 +103,7 @@ impl Overrides {
             add_light(index, light, frame, scene);
         }
         if let Some(environment) = &self.file.environment {
-            if let Some(desc) = self.environment(environment, report)? {
+            if let Some(desc) = self.environment(environment, report, budget)? {
                 scene.environment_from(&desc)?;
             }
             self.portals(environment, frame, scene)?;

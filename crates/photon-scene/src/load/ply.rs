@@ -3,8 +3,9 @@
 mod element;
 
 use self::element::{COLOR, Element, NORMAL, UV};
+use super::budget::Budget;
 use super::polygon::{concave, fan_covers};
-use super::{default_material, read, stem};
+use super::{default_material, read_within, stem};
 use crate::builder::SceneBuilder;
 use crate::describe::{MaterialDesc, Surface};
 use crate::error::SceneError;
@@ -13,6 +14,9 @@ use crate::report::LoadReport;
 use glam::DVec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use std::path::Path;
+
+/// Bytes of an element: as it is read, with up to four indices, and in the mesh.
+const ELEMENT: u64 = (size_of::<Element>() + 32 + 128) as u64;
 
 /// Reads the vertices and polygons of a PLY file, ASCII or binary of either byte order.
 ///
@@ -24,7 +28,12 @@ use std::path::Path;
 /// A file that cannot be read or is invalid, with the line number if the format has lines; a polygon that
 /// refers to a vertex that does not exist.
 pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
-    let bytes = read(path)?;
+    load_within(path, &Budget::unlimited())
+}
+
+/// As [`load_ply`], within a limit on memory.
+pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), SceneError> {
+    let bytes = read_within(path, budget, 1)?;
     let fault = |line: Option<usize>, what: String, hint: &str| SceneError::Content {
         path: path.to_owned(),
         line: line.map(|line| line as u64),
@@ -50,6 +59,8 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
             );
             return Err(fault(None, what, "it is truncated or damaged; copy or export it again"));
         }
+        let object = || format!("{} elements '{}'", element.count, element.name);
+        budget.take(element.count as u64 * ELEMENT, object).map_err(|shortage| shortage.in_file(path))?;
     }
     let payload = parser.read_payload(&mut reader, &header).map_err(damaged)?;
 

@@ -9,6 +9,7 @@ use gltf::json::Root;
 use super::fault::{AGAIN, COPY_AGAIN, Fault, label};
 use super::meshopt::Compressed;
 use super::uri;
+use crate::load::budget::Budget;
 
 /// The buffers of a file.
 pub(super) struct Buffers<'a> {
@@ -20,6 +21,7 @@ pub(super) struct Buffers<'a> {
     decoded: Vec<OnceCell<Vec<u8>>>,
     /// Their length in bytes.
     decoded_length: Cell<u64>,
+    budget: &'a Budget,
 }
 
 /// More decoded bytes than this are treated as damage: a few views of the same compressed bytes could otherwise request
@@ -28,10 +30,15 @@ const MAX_DECODED: u64 = 1 << 32;
 
 impl<'a> Buffers<'a> {
     /// The buffers of `root`, whose files are in `folder` and whose GLB chunk is `bin`.
-    pub(super) fn new(root: &'a Root, folder: &'a Path, bin: Option<&'a [u8]>) -> Self {
+    pub(super) fn new(root: &'a Root, folder: &'a Path, bin: Option<&'a [u8]>, budget: &'a Budget) -> Self {
         let loaded = root.buffers.iter().map(|_| OnceCell::new()).collect();
         let decoded = root.buffer_views.iter().map(|_| OnceCell::new()).collect();
-        Self { root, folder, bin, loaded, decoded, decoded_length: Cell::new(0) }
+        Self { root, folder, bin, loaded, decoded, decoded_length: Cell::new(0), budget }
+    }
+
+    /// What is left of the memory.
+    pub(super) fn budget(&self) -> &'a Budget {
+        self.budget
     }
 
     /// The folder of the scene's files.
@@ -61,6 +68,7 @@ impl<'a> Buffers<'a> {
             let why = format!("brings the decoded buffer views to over {MAX_DECODED} bytes");
             return Err(Fault::new(part, why, "split the scene"));
         }
+        self.budget.take(compressed.decoded_length(), || part.to_owned())?;
         self.decoded_length.set(length);
         let bytes = self.range(compressed.buffer, compressed.offset, compressed.length, part)?;
         compressed.decode(bytes).map_err(|why| Fault::new(part, format!("is no valid stream: {why}"), AGAIN))
@@ -94,10 +102,11 @@ impl<'a> Buffers<'a> {
         let buffer = &self.root.buffers[index];
         let part = label("buffer", index, buffer.name.as_deref());
         let bytes = match (&buffer.uri, self.bin) {
-            (Some(uri), _) => match uri::read(uri, self.folder) {
-                Ok(bytes) => Cow::Owned(bytes),
-                Err((why, hint)) => return Err(Fault::new(part, why, hint)),
-            },
+            (Some(uri), _) => {
+                let wrong = |(why, hint)| Fault::new(&part, why, hint);
+                self.budget.take(uri::length(uri, self.folder).map_err(wrong)?, || part.clone())?;
+                Cow::Owned(uri::read(uri, self.folder).map_err(wrong)?)
+            }
             (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
             (None, _) => {
                 return Err(Fault::new(

@@ -6,7 +6,7 @@ use super::fault::{AGAIN, COPY_AGAIN, Fault};
 use super::morph;
 use crate::report::LoadReport;
 
-const MAGIC: &[u8] = b"glTF";
+pub(super) const MAGIC: &[u8] = b"glTF";
 const JSON_CHUNK: &[u8] = b"JSON";
 const BIN_CHUNK: &[u8] = b"BIN\0";
 

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use crate::error::SceneError;
+use crate::load::budget::Shortage;
 
 /// Hint for most damage, which the user cannot repair in the file itself.
 pub(super) const AGAIN: &str = "export the file again";
@@ -19,12 +20,14 @@ pub(super) struct Fault {
     hint: String,
     /// Line of the JSON text, from 1, if known.
     line: Option<u64>,
+    /// What needs too much memory, in place of all that.
+    shortage: Option<Shortage>,
 }
 
 impl Fault {
     pub(super) fn new(part: impl AsRef<str>, why: impl AsRef<str>, hint: impl Into<String>) -> Self {
         let what = format!("{}: {}", part.as_ref(), why.as_ref());
-        Self { what, hint: hint.into(), line: None }
+        Self { what, hint: hint.into(), line: None, shortage: None }
     }
 
     /// A reference to an object that the file does not have.
@@ -42,10 +45,25 @@ impl Fault {
         Self { line: (line > 0).then_some(line as u64), ..self }
     }
 
+    /// Whether memory is short.
+    pub(super) fn is_shortage(&self) -> bool {
+        self.shortage.is_some()
+    }
+
     /// Adds the path of the file.
     pub(super) fn in_file(self, path: &Path) -> SceneError {
-        let Self { what, hint, line } = self;
+        let Self { what, hint, line, shortage } = self;
+        if let Some(shortage) = shortage {
+            return shortage.in_file(path);
+        }
         SceneError::Content { path: path.to_owned(), line, what, hint }
+    }
+}
+
+impl From<Shortage> for Fault {
+    fn from(shortage: Shortage) -> Self {
+        let none = Self::new("the file", "needs too much memory", "");
+        Self { shortage: Some(shortage), ..none }
     }
 }
 

@@ -15,6 +15,7 @@ use super::skin::{self, Skin};
 use super::{attributes, nodes, primitive};
 use crate::builder::{MaterialId, SceneBuilder};
 use crate::describe::MaterialDesc;
+use crate::load::budget::Budget;
 use crate::report::LoadReport;
 
 /// More vertex positions and indices than this, over all instances, are treated as damage: a few
@@ -25,6 +26,7 @@ const MAX_ELEMENTS: u64 = 1 << 28;
 pub(super) struct Meshes<'a> {
     pub(super) root: &'a Root,
     pub(super) accessors: Accessors<'a>,
+    pub(super) budget: &'a Budget,
     pub(super) materials: Vec<MaterialId>,
     pub(super) default_material: Option<MaterialId>,
     /// Vertices and indices so far.
@@ -107,6 +109,8 @@ impl Meshes<'_> {
                 "leave out instances, or use coarser meshes",
             ));
         }
+        let bytes = primitive::bytes(&self.accessors, source, part)?;
+        self.budget.take(bytes, || part.to_owned())?;
         let material = match source.material {
             None => self.default_material(builder),
             Some(material) => *self

@@ -133,6 +133,9 @@ pub(super) fn read(
     let mut old_color = None;
     let mut old_textures = [None; 2];
     if let Some(old) = &old {
+        if let (Some(survey), Some(slot)) = (&textures.survey, old.texture) {
+            survey.record_made(textures.image_of(slot.texture, &part)?.ok());
+        }
         let texture = means.image(old.texture, SPECULAR_GLOSSINESS)?;
         let varied = texture.and_then(|texture| texture.used);
         let mean = texture.filter(|_| varied.is_none()).map(|texture| texture.mean);
@@ -322,7 +325,7 @@ impl Images<'_, '_> {
             let why = format!("its UV set is TEXCOORD_{}, and at most {MAX_UV_SETS} are read", slot.uv_set);
             return Ok(self.lose(slot.texture, role.name, &why));
         }
-        let mean = match self.textures.mean_and_image(slot.texture, self.part)? {
+        let mean = match self.textures.mean_and_image(slot.texture, role.bytes, self.part)? {
             Ok(mean) => mean,
             Err(why) => return Ok(self.lose(slot.texture, role.name, &why)),
         };

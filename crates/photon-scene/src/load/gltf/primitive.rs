@@ -44,6 +44,25 @@ pub(super) fn size(accessors: &Accessors<'_>, primitive: &Primitive, part: &str)
     Ok(indices.saturating_add(count(attribute(primitive, Semantic::Positions))?))
 }
 
+/// Upper bound on the bytes that it takes up in the scene, without reading it.
+pub(super) fn bytes(accessors: &Accessors<'_>, primitive: &Primitive, part: &str) -> Result<u64, Fault> {
+    let Some(positions) = attribute(primitive, Semantic::Positions) else { return Ok(0) };
+    let vertices = accessors.count(positions, part)?;
+    let corners = match &primitive.indices {
+        Some(indices) => accessors.count(indices.value(), part)?,
+        None => vertices,
+    };
+    let each = primitive.attributes.keys().map(|semantic| match semantic {
+        Checked::Valid(Semantic::Positions | Semantic::Normals) => 24,
+        Checked::Valid(Semantic::Tangents | Semantic::Colors(_)) => 32,
+        Checked::Valid(Semantic::TexCoords(_)) => 16,
+        _ => 0,
+    });
+    // A strip has nearly as many triangles as corners.
+    let triangle = if matches!(primitive.mode, Checked::Valid(Mode::Triangles)) { 4 } else { 12 };
+    Ok(vertices.saturating_mul(each.sum()).saturating_add(corners.saturating_mul(triangle)))
+}
+
 /// Reads a primitive for which [`is_surface`] holds.
 pub(super) fn read(
     accessors: &Accessors<'_>,

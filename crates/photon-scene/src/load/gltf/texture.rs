@@ -12,10 +12,11 @@ use photon_core::{Filter, TexelFormat, Wrap};
 use super::buffers::Buffers;
 use super::fault::{Fault, label, name_or_number};
 use super::mean::Mean;
+use super::survey::Survey;
 use super::uri;
 use crate::builder::SceneBuilder;
 use crate::extras::{self, ImageExtras, agreeing_floats};
-use crate::load::image::{Image, Room};
+use crate::load::image::{Halving, Image, Plan, Room};
 use crate::report::LoadReport;
 use crate::texture::{TextureDesc, TextureId};
 
@@ -29,6 +30,12 @@ pub(super) struct Textures<'a> {
     /// Textures that were made from those of the file, by number and the bits of the factor.
     made: RefCell<BTreeMap<(usize, u64), TextureId>>,
     room: RefCell<Room>,
+    /// How often images are halved.
+    plan: Plan,
+    /// The place in the plan of each image that materials use.
+    planned: BTreeMap<usize, usize>,
+    /// Set while only the uses of images are recorded.
+    pub(super) survey: Option<Survey>,
 }
 
 /// What is known of an image.
@@ -37,12 +44,43 @@ struct Entry {
     mean: Option<Result<Mean, String>>,
     /// Kept once it is part of the scene; textures share it.
     image: Option<Rc<Image>>,
+    /// The same with bytes that are numbers, not colours, if it is halved: then the means differ.
+    numbers: Option<Rc<Image>>,
+}
+
+impl Entry {
+    fn forget(&mut self) {
+        (self.image, self.numbers) = (None, None);
+    }
 }
 
 impl<'a> Textures<'a> {
     pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>) -> Self {
         let images = root.images.iter().map(|_| RefCell::default()).collect();
-        Self { root, buffers, images, added: RefCell::default(), made: RefCell::default(), room: RefCell::default() }
+        Self {
+            root,
+            buffers,
+            images,
+            added: RefCell::default(),
+            made: RefCell::default(),
+            room: RefCell::default(),
+            plan: Plan::default(),
+            planned: BTreeMap::new(),
+            survey: None,
+        }
+    }
+
+    pub(super) fn root(&self) -> &'a Root {
+        self.root
+    }
+
+    pub(super) fn buffers(&self) -> &'a Buffers<'a> {
+        self.buffers
+    }
+
+    /// Halves images as `plan` says; `planned` has the place of each image in it.
+    pub(super) fn follow(&mut self, plan: Plan, planned: BTreeMap<usize, usize>) {
+        (self.plan, self.planned) = (plan, planned);
     }
 
     /// Name of a texture in messages: its number, and its own name or that of its image.
@@ -70,21 +108,30 @@ impl<'a> Textures<'a> {
     /// # Errors
     ///
     /// A reference to a texture or an image that the file does not have.
-    pub(super) fn mean_and_image(&self, texture: usize, user: &str) -> Result<Result<Mean, String>, Fault> {
+    pub(super) fn mean_and_image(
+        &self,
+        texture: usize,
+        bytes: TexelFormat,
+        user: &str,
+    ) -> Result<Result<Mean, String>, Fault> {
         let image = match self.image_of(texture, user)? {
             Ok(image) => image,
             Err(why) => return Ok(Err(why)),
         };
+        if let Some(survey) = &self.survey {
+            survey.record(image, bytes, self.name(texture));
+            return Ok(Err(String::new()));
+        }
         let mut entry = self.images[image].borrow_mut();
         if let Some(mean) = &entry.mean {
             return Ok(mean.clone());
         }
-        let decoded = self.decode(image);
+        let decoded = self.decode(image, bytes);
         let mean = decoded.as_ref().map(Mean::of).map_err(Clone::clone);
         entry.mean = Some(mean.clone());
         // Images of which only the mean is needed do not take up memory.
         let is_kept = mean.as_ref().is_ok_and(|mean| !mean.is_uniform);
-        entry.image = decoded.ok().filter(|_| is_kept).map(Rc::new);
+        *self.place_of(image, bytes, &mut entry) = decoded.ok().filter(|_| is_kept).map(Rc::new);
         Ok(mean)
     }
 
@@ -104,7 +151,7 @@ impl<'a> Textures<'a> {
         if let Some(known) = self.added.borrow().get(&key) {
             return Ok(Ok(*known));
         }
-        let image = match self.image(texture, user)? {
+        let image = match self.image(texture, bytes, user)? {
             Ok(image) => image,
             Err(why) => return Ok(Err(why)),
         };
@@ -131,7 +178,7 @@ impl<'a> Textures<'a> {
         if let Some(known) = self.made.borrow().get(&key) {
             return Ok(Ok(*known));
         }
-        let image = match self.image(texture, user)? {
+        let image = match self.image(texture, TexelFormat::Srgb8, user)? {
             Ok(image) => image,
             Err(why) => return Ok(Err(why)),
         };
@@ -143,17 +190,26 @@ impl<'a> Textures<'a> {
     }
 
     /// The image of a texture, which is kept, or the reason why there is none.
-    fn image(&self, texture: usize, user: &str) -> Result<Result<Rc<Image>, String>, Fault> {
+    fn image(&self, texture: usize, bytes: TexelFormat, user: &str) -> Result<Result<Rc<Image>, String>, Fault> {
         let index = match self.image_of(texture, user)? {
             Ok(index) => index,
             Err(why) => return Ok(Err(why)),
         };
-        let known = self.images[index].borrow().image.clone();
-        let image = known.map_or_else(|| self.decode(index).map(Rc::new), Ok);
-        if let Ok(image) = &image {
-            self.images[index].borrow_mut().image = Some(Rc::clone(image));
-        }
+        let mut entry = self.images[index].borrow_mut();
+        let known = self.place_of(index, bytes, &mut entry);
+        let image = known.clone().map_or_else(|| self.decode(index, bytes).map(Rc::new), Ok);
+        *known = image.as_ref().ok().cloned();
         Ok(image)
+    }
+
+    /// How often an image is halved.
+    fn times(&self, image: usize) -> u32 {
+        self.planned.get(&image).map_or(0, |&place| self.plan.times(place))
+    }
+
+    fn place_of<'e>(&self, image: usize, bytes: TexelFormat, entry: &'e mut Entry) -> &'e mut Option<Rc<Image>> {
+        let differs = bytes == TexelFormat::Linear8 && self.times(image) > 0;
+        if differs { &mut entry.numbers } else { &mut entry.image }
     }
 
     /// Adds a texture with the sampler of one of the file, and makes room for it.
@@ -161,21 +217,24 @@ impl<'a> Textures<'a> {
         let (wrap, filter) = self.sampler(texture)?;
         let id = builder.texture(desc.wrapped(wrap).filtered(filter));
         if self.room.borrow_mut().make(builder) {
-            self.images.iter().for_each(|entry| entry.borrow_mut().image = None);
+            self.images.iter().for_each(|entry| entry.borrow_mut().forget());
         }
         Ok(id)
     }
 
     /// Says in the report what was reduced for want of memory.
     pub(super) fn report(&self, builder: &SceneBuilder, report: &mut LoadReport) {
+        self.plan.report(report);
         self.room.borrow().report(builder, report);
     }
 
     /// What the report should say of an image that could be read, but not exactly.
     pub(super) fn losses(&self, texture: usize) -> Vec<String> {
         let source = self.root.textures.get(texture).and_then(|found| self.source(found));
-        let image = source.and_then(|image| self.images.get(image)?.borrow().image.clone());
-        let Some(image) = image else { return Vec::new() };
+        let Some(entry) = source.and_then(|image| self.images.get(image)).map(RefCell::borrow) else {
+            return Vec::new();
+        };
+        let Some(image) = entry.image.as_ref().or(entry.numbers.as_ref()) else { return Vec::new() };
         let mut losses = Vec::new();
         if image.is_rounded {
             losses.push("its 16 bits are rounded to 8".to_owned());
@@ -209,9 +268,7 @@ impl<'a> Textures<'a> {
 
     /// The image with the floats that the extras refer to, if it is still the image that stands for them.
     fn with_floats(&self, decoded: Image, image: &gltf::json::Image) -> Image {
-        let extras = extras::read::<ImageExtras>(image.extras.as_deref().map(|raw| raw.get()));
-        let view = extras.ok().flatten().map(|extras| extras.floats);
-        let floats = view.and_then(|view| {
+        let floats = floats_of(image).and_then(|view| {
             let bytes = self.buffers.view(view, "an image").ok()?;
             agreeing_floats(&decoded.texels, bytes)
         });
@@ -222,7 +279,7 @@ impl<'a> Textures<'a> {
     }
 
     /// Index of the image of a texture, or why there is none.
-    fn image_of(&self, texture: usize, user: &str) -> Result<Result<usize, String>, Fault> {
+    pub(super) fn image_of(&self, texture: usize, user: &str) -> Result<Result<usize, String>, Fault> {
         let textures = &self.root.textures;
         let found = textures.get(texture).ok_or_else(|| Fault::dangling(user, "texture", texture, textures.len()))?;
         match self.source(found) {
@@ -249,24 +306,37 @@ impl<'a> Textures<'a> {
         webp.and_then(|source| usize::try_from(source).ok()).or(standard)
     }
 
-    fn decode(&self, index: usize) -> Result<Image, String> {
+    /// Decodes an image, halved as planned; one of floats first, which are beside it, and then halved.
+    fn decode(&self, index: usize, bytes: TexelFormat) -> Result<Image, String> {
         let image = &self.root.images[index];
+        let planned = self.planned.get(&index).map(|&place| Halving { times: self.plan.times(place), bytes });
+        let has_floats = floats_of(image).is_some();
+        let halving = planned.filter(|_| !has_floats);
         let decoded = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => {
                 let bytes =
                     uri::read(uri, self.buffers.folder()).map_err(|(why, hint)| format!("its image {why}; {hint}"))?;
-                Image::decode(&bytes)
+                Image::decode_halved(&bytes, halving)
             }
             (None, Some(view)) => {
                 let bytes = self.buffers.view(view.value(), &format!("image {index}"));
-                Image::decode(bytes.map_err(|fault| fault.to_string())?)
+                Image::decode_halved(bytes.map_err(|fault| fault.to_string())?, halving)
             }
             (None, None) => return Err("its image has no data".to_owned()),
         };
-        let decoded = decoded.map(|decoded| self.with_floats(decoded, image));
+        let decoded = decoded.map(|decoded| match has_floats {
+            true => self.with_floats(decoded, image).halve(planned),
+            false => decoded,
+        });
         decoded.map_err(|why| match image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) {
             Some(uri) => format!("its image, {uri}, {why}"),
             None => format!("its image {why}"),
         })
     }
+}
+
+/// The buffer view with floats that the extras of an image refer to.
+pub(super) fn floats_of(image: &gltf::json::Image) -> Option<usize> {
+    let extras = extras::read::<ImageExtras>(image.extras.as_deref().map(|raw| raw.get()));
+    extras.ok().flatten().map(|extras| extras.floats)
 }

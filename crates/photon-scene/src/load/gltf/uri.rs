@@ -1,7 +1,7 @@
 //! Resolves URIs in a file: embedded data, or a file beside it.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::fault::AGAIN;
 
@@ -14,6 +14,29 @@ pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'stati
     if let Some(data) = uri.strip_prefix("data:") {
         return read_data(data);
     }
+    let path = path(uri, folder)?;
+    fs::read(&path)
+        .map_err(|error| (format!("is in the file {uri}, which cannot be read: {error}"), "check that it is readable"))
+}
+
+/// Number of the bytes that [`read`] returns, or an upper bound; 0 if the file has no length.
+///
+/// # Errors
+///
+/// As [`read`].
+pub(super) fn length(uri: &str, folder: &Path) -> Result<u64, (String, &'static str)> {
+    if uri.starts_with("data:") {
+        return Ok(uri.len() as u64);
+    }
+    Ok(fs::metadata(path(uri, folder)?).map_or(0, |data| data.len()))
+}
+
+/// The file that `uri` refers to, which exists.
+///
+/// # Errors
+///
+/// As [`read`].
+pub(super) fn path(uri: &str, folder: &Path) -> Result<PathBuf, (String, &'static str)> {
     if let Some((scheme, _)) = uri.split_once("://") {
         let why = format!("is at a {scheme} address, and only files beside the scene are read");
         return Err((why, "download it, and name the file instead"));
@@ -37,8 +60,7 @@ pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'stati
         let why = format!("is in the file {uri}, which does not exist");
         return Err((why, "put it where the scene expects it, or export a .glb"));
     }
-    fs::read(&path)
-        .map_err(|error| (format!("is in the file {uri}, which cannot be read: {error}"), "check that it is readable"))
+    Ok(path)
 }
 
 /// Whether a relative path leads out of the folder that it starts in, or is absolute on any system.

@@ -8,10 +8,13 @@ use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read};
 
+use super::header::Header;
 use super::{Image, ImageError, check_density, check_size, dwa};
 
 /// Deflate packs up to 1032 bytes into one, and a channel takes at least two bytes of each texel.
 const DENSEST: u64 = 516;
+/// Bytes of the decoder itself.
+const OVERHEAD: u64 = 256 << 10;
 
 /// Texels while a file is read.
 struct Pixels {
@@ -51,14 +54,34 @@ fn check_compression(compression: Compression) -> Result<(), ImageError> {
     }
 }
 
-pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
-    let damaged = |why: Error| ImageError::new(format!("cannot be decoded as OpenEXR: {why}"));
+fn damaged(why: Error) -> ImageError {
+    ImageError::new(format!("cannot be decoded as OpenEXR: {why}"))
+}
+
+/// The layers of a file of `length` bytes, with sizes that were checked.
+fn open(file: &[u8], length: u64) -> Result<MetaData, ImageError> {
     let meta = MetaData::read_from_buffered(Cursor::new(file), false).map_err(damaged)?;
     for header in &meta.headers {
         let size = check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, 4)?;
-        check_density(size, file.len(), DENSEST)?;
+        check_density(size, length, DENSEST)?;
         check_compression(header.compression)?;
     }
+    Ok(meta)
+}
+
+/// That of the largest layer.
+pub(super) fn header(file: &[u8], length: u64) -> Result<Header, ImageError> {
+    let meta = open(file, length)?;
+    let area = |header: &&exr::meta::header::Header| header.layer_size.area();
+    let largest = meta.headers.iter().max_by_key(area).ok_or_else(|| ImageError::new("has no layers"))?;
+    let size = [largest.layer_size.width() as u32, largest.layer_size.height() as u32];
+    // Blocks have up to 256 lines.
+    let block = u64::from(size[0]) * 256 * largest.channels.bytes_per_pixel as u64;
+    Ok(Header { size, words: 4, decoding: Header::floats(size) + 3 * block + OVERHEAD, is_by_rows: false })
+}
+
+pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
+    let meta = open(file, file.len() as u64)?;
     dwa::check(file, &meta.headers)?;
     let has = |name: &str| {
         let named = |channel: &exr::meta::attribute::ChannelDescription| channel.name.eq_case_insensitive(name);

@@ -1,17 +1,29 @@
 //! Radiance HDR (RGBE): flat scanlines, and both kinds of run-length encoding (Ward, "Real pixels", Graphics Gems II).
 
+use super::header::Header;
 use super::{Image, ImageError, check_size};
 
 /// Widths for which the newer encoding is defined.
 const RUN_WIDTHS: std::ops::RangeInclusive<usize> = 8..=0x7FFF;
 
+pub(super) fn header(file: &[u8]) -> Result<Header, ImageError> {
+    let mut reader = Reader { rest: file };
+    lines(&mut reader)?;
+    let size = orientation(reader.line()?)?.size;
+    // Mirrored images are copied.
+    Ok(Header { size, words: 4, decoding: 3 * Header::floats(size) + 4096, is_by_rows: false })
+}
+
 pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let mut reader = Reader { rest: file };
-    let exposure = header(&mut reader)?;
+    let exposure = lines(&mut reader)?;
     let Orientation { size, flip_x, flip_y } = orientation(reader.line()?)?;
     let [width, height] = size.map(|side| side as usize);
     // Grows with the data, so that a short file does not take the memory of a large image.
     let mut texels: Vec<[f32; 4]> = Vec::new();
+    texels
+        .try_reserve_exact(width.saturating_mul(height).min(4 * file.len()))
+        .map_err(|_| ImageError::new("is too large"))?;
     let mut row = vec![[0_u8; 4]; width];
     for _ in 0..height {
         reader.scanline(&mut row)?;
@@ -26,7 +38,7 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
 }
 
 /// Reads the lines before the resolution; returns the factor by which values were multiplied.
-fn header(reader: &mut Reader<'_>) -> Result<f32, ImageError> {
+fn lines(reader: &mut Reader<'_>) -> Result<f32, ImageError> {
     let mut exposure = 1.0_f32;
     loop {
         let line = reader.line()?.trim();

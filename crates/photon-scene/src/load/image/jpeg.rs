@@ -5,12 +5,21 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::{Image, ImageError, MAX_SIDE, bytes, check_density, check_size};
+use super::halve::{Halving, Rows};
+use super::header::Header;
+use super::{Image, ImageError, MAX_SIDE, check_density, check_size};
 
 /// A progressive file needs a bit for each block of 64 texels.
 const DENSEST: u64 = 512;
+/// Bytes of the decoder for each texel: colours, and the coefficients of progressive files.
+const DECODING: u64 = 12;
+/// Bytes of the decoder itself.
+const OVERHEAD: u64 = 256 << 10;
 
-pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
+/// A decoder after the header, and the size.
+type Opened<'a> = (JpegDecoder<ZCursor<&'a [u8]>>, [u32; 2]);
+
+fn open(file: &[u8], length: u64) -> Result<Opened<'_>, ImageError> {
     let options = DecoderOptions::default()
         .set_max_width(MAX_SIDE as usize)
         .set_max_height(MAX_SIDE as usize)
@@ -21,17 +30,28 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let unreadable = || ImageError::new("cannot be decoded as JPEG: it has no header");
     let (width, height) = decoder.dimensions().ok_or_else(unreadable)?;
     let size = check_size(width as u64, height as u64, 1)?;
-    check_density(size, file.len(), DENSEST)?;
+    check_density(size, length, DENSEST)?;
     if matches!(decoder.input_colorspace(), Some(ColorSpace::CMYK | ColorSpace::YCCK)) {
         return Err(ImageError::new("is a JPEG in CMYK, a colour space of printers; convert it to RGB"));
     }
+    Ok((decoder, size))
+}
+
+pub(super) fn header(file: &[u8], length: u64) -> Result<Header, ImageError> {
+    let (_, size) = open(file, length)?;
+    let texels = u64::from(size[0]) * u64::from(size[1]);
+    Ok(Header { size, words: 1, decoding: texels * DECODING + OVERHEAD, is_by_rows: true })
+}
+
+pub(super) fn decode(file: &[u8], halving: Option<Halving>) -> Result<Image, ImageError> {
+    let (mut decoder, size) = open(file, file.len() as u64)?;
     let data = decoder.decode().map_err(|why| ImageError::damaged("JPEG", &why))?;
     let texels = size[0] as usize * size[1] as usize;
     let channels = data.len() / texels;
-    if !(1..=4).contains(&channels) || channels * texels != data.len() {
-        return Err(ImageError::new(format!("cannot be decoded as JPEG: {} bytes for {texels} texels", data.len())));
+    let mut rows = Rows::new(size, halving);
+    if (1..=4).contains(&channels) && channels * texels == data.len() {
+        rows.append(&data, channels);
     }
-    let mut words = Vec::with_capacity(texels);
-    bytes::append(&mut words, &data, channels);
-    Ok(Image::of_bytes(size, words))
+    rows.finish(size)
+        .map_err(|_| ImageError::new(format!("cannot be decoded as JPEG: {} bytes for {texels} texels", data.len())))
 }

@@ -8,14 +8,21 @@
 //! Colour profiles and gamma are ignored, as glTF prescribes.
 
 mod bytes;
+mod channels;
 mod dwa;
 mod exr;
+mod halve;
 mod hdr;
+mod header;
 mod jpeg;
+mod plan;
 mod png;
 mod room;
 mod webp;
 
+pub(super) use self::halve::Halving;
+pub(super) use self::header::Header;
+pub(super) use self::plan::{Plan, Wanted};
 pub(super) use self::room::Room;
 
 use std::path::Path;
@@ -23,6 +30,7 @@ use std::sync::Arc;
 
 use photon_core::TexelFormat;
 
+use super::budget::Budget;
 use crate::color::srgb_to_linear;
 use crate::error::SceneError;
 use crate::texture::TextureDesc;
@@ -76,15 +84,18 @@ impl Image {
     /// An unknown format, an image of more than 65536 texels on one side, 1 GiB of memory (`WebP`: 256 MiB) or than the
     /// file can hold, or damaged data.
     pub fn decode(bytes: &[u8]) -> Result<Self, ImageError> {
+        Self::decode_halved(bytes, None)
+    }
+
+    /// As [`Self::decode`], reduced.
+    pub(in crate::load) fn decode_halved(bytes: &[u8], halving: Option<Halving>) -> Result<Self, ImageError> {
         match Format::of(bytes) {
-            Format::Png => png::decode(bytes),
-            Format::Jpeg => jpeg::decode(bytes),
-            Format::WebP => webp::decode(bytes),
-            Format::Exr => exr::decode(bytes),
-            Format::Hdr => hdr::decode(bytes),
-            Format::Other(name) => {
-                Err(ImageError::new(format!("is {name}; only PNG, JPEG, WebP, OpenEXR and Radiance HDR are read")))
-            }
+            Format::Png => png::decode(bytes, halving),
+            Format::Jpeg => jpeg::decode(bytes, halving),
+            Format::WebP => webp::decode(bytes, halving),
+            Format::Exr => exr::decode(bytes).map(|image| image.halve(halving)),
+            Format::Hdr => hdr::decode(bytes).map(|image| image.halve(halving)),
+            Format::Other(name) => Err(not_read(name)),
         }
     }
 
@@ -134,7 +145,19 @@ impl Image {
 /// # Errors
 /// [`SceneError::Read`] if the file cannot be read, [`SceneError::Content`] with the reasons of [`Image::decode`].
 pub fn load_image(path: &Path) -> Result<Image, SceneError> {
-    Image::decode(&super::read(path)?).map_err(|why| SceneError::Content {
+    load_image_halved(path, None)
+}
+
+/// Bytes that reading an image and its colours as three floats takes, if there is a limit and the header can be read.
+pub(crate) fn image_bytes(path: &Path, budget: &Budget) -> Option<u64> {
+    let (header, file) = Header::of_file(path, budget.left()?)?;
+    let colors = 12 * u64::from(header.size[0]) * u64::from(header.size[1]);
+    Some(file + header.decoding(0) + header.bytes(0) + colors)
+}
+
+/// As [`load_image`], reduced.
+pub(super) fn load_image_halved(path: &Path, halving: Option<Halving>) -> Result<Image, SceneError> {
+    Image::decode_halved(&super::read(path)?, halving).map_err(|why| SceneError::Content {
         path: path.to_owned(),
         line: None,
         what: format!("the image {why}"),
@@ -183,6 +206,10 @@ impl Format {
     }
 }
 
+fn not_read(name: &str) -> ImageError {
+    ImageError::new(format!("is {name}; only PNG, JPEG, WebP, OpenEXR and Radiance HDR are read"))
+}
+
 /// Checks a size from a header; `words` is the number of words for each texel.
 fn check_size(width: u64, height: u64, words: u64) -> Result<[u32; 2], ImageError> {
     let sides = 1..=MAX_SIDE;
@@ -197,8 +224,8 @@ fn check_size(width: u64, height: u64, words: u64) -> Result<[u32; 2], ImageErro
 
 /// Checks that a file of `bytes` bytes can hold an image of that size at all, if it holds at most `densest` texels in
 /// each: a few bytes cannot take up a gigabyte.
-fn check_density([width, height]: [u32; 2], bytes: usize, densest: u64) -> Result<(), ImageError> {
-    if u64::from(width) * u64::from(height) <= densest * bytes as u64 {
+fn check_density([width, height]: [u32; 2], bytes: u64, densest: u64) -> Result<(), ImageError> {
+    if u64::from(width) * u64::from(height) <= densest.saturating_mul(bytes) {
         return Ok(());
     }
     Err(ImageError::new(format!("promises {width} × {height} texels, more than its {bytes} bytes can hold")))

@@ -2,21 +2,36 @@
 
 use std::io::Cursor;
 
-use png::{BitDepth, ColorType, Decoder, DecodingError, Transformations};
+use png::{BitDepth, ColorType, Decoder, DecodingError, Reader, Transformations};
 
+use super::halve::{Halving, Rows};
+use super::header::Header;
 use super::{Image, ImageError, bytes, check_density, check_size};
 
 /// Deflate packs up to 1032 bytes into one, each with up to 8 texels.
 const DENSEST: u64 = 8256;
+/// Bytes of the decoder itself.
+const OVERHEAD: u64 = 256 << 10;
 
-pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
-    let damaged = |why: DecodingError| ImageError::new(format!("cannot be decoded as PNG: {why}"));
+fn damaged(why: DecodingError) -> ImageError {
+    ImageError::new(format!("cannot be decoded as PNG: {why}"))
+}
+
+/// A reader after the header, and the size.
+type Opened<'a> = (Reader<Cursor<&'a [u8]>>, [u32; 2]);
+
+fn open(file: &[u8]) -> Result<Opened<'_>, ImageError> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(Transformations::EXPAND);
     decoder.set_ignore_text_chunk(true);
-    let mut reader = decoder.read_info().map_err(damaged)?;
+    let reader = decoder.read_info().map_err(damaged)?;
     let info = reader.info();
-    let (is_interlaced, size) = (info.interlaced, check_size(info.width.into(), info.height.into(), 1)?);
+    let size = check_size(info.width.into(), info.height.into(), 1)?;
+    Ok((reader, size))
+}
+
+/// Channels of a row after expansion, and whether they have 16 bits.
+fn layout(reader: &Reader<Cursor<&[u8]>>) -> (usize, bool) {
     let (color, depth) = reader.output_color_type();
     let channels = match color {
         ColorType::Grayscale | ColorType::Indexed => 1,
@@ -24,15 +39,31 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
         ColorType::Rgb => 3,
         ColorType::Rgba => 4,
     };
-    let is_wide = depth == BitDepth::Sixteen;
-    let mut words = Vec::new();
+    (channels, depth == BitDepth::Sixteen)
+}
+
+pub(super) fn header(file: &[u8], length: u64) -> Result<Header, ImageError> {
+    let (reader, size) = open(file)?;
+    check_density(size, length, DENSEST)?;
+    let (channels, is_wide) = layout(&reader);
+    let texel = channels as u64 * if is_wide { 3 } else { 1 };
+    let [width, height] = size.map(u64::from);
+    // The whole image if it is interlaced; otherwise some rows, and the window of Deflate.
+    let held = if reader.info().interlaced { width * height * texel } else { 0 };
+    Ok(Header { size, words: 1, decoding: held + 32 * width * texel + OVERHEAD, is_by_rows: true })
+}
+
+pub(super) fn decode(file: &[u8], halving: Option<Halving>) -> Result<Image, ImageError> {
+    let (mut reader, size) = open(file)?;
+    let (channels, is_wide) = layout(&reader);
+    let mut rows = Rows::new(size, halving);
     let mut add = |row: &[u8]| match is_wide {
-        true => bytes::append(&mut words, &bytes::narrow(row), channels),
-        false => bytes::append(&mut words, row, channels),
+        true => rows.append(&bytes::narrow(row), channels),
+        false => rows.append(row, channels),
     };
-    if is_interlaced {
+    if reader.info().interlaced {
         // Rows of an interlaced image are scattered.
-        check_density(size, file.len(), DENSEST)?;
+        check_density(size, file.len() as u64, DENSEST)?;
         let length = reader.output_buffer_size().ok_or_else(|| ImageError::new("is too large"))?;
         let mut whole = vec![0; length];
         reader.next_frame(&mut whole).map_err(damaged)?;
@@ -43,9 +74,9 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
             add(row.data());
         }
     }
-    let needed = size[0] as usize * size[1] as usize;
-    if words.len() != needed {
-        return Err(ImageError::new(format!("cannot be decoded as PNG: it has {} of {needed} texels", words.len())));
-    }
-    Ok(Image { is_rounded: is_wide, ..Image::of_bytes(size, words) })
+    let image = rows.finish(size).map_err(|count| {
+        let needed = size[0] as usize * size[1] as usize;
+        ImageError::new(format!("cannot be decoded as PNG: it has {count} of {needed} texels"))
+    })?;
+    Ok(Image { is_rounded: is_wide, ..image })
 }

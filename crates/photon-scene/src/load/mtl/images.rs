@@ -1,6 +1,6 @@
 //! Images that MTL files refer to.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use photon_core::{TexelFormat, Texture};
@@ -8,7 +8,7 @@ use photon_core::{TexelFormat, Texture};
 use super::map::Map;
 use crate::builder::SceneBuilder;
 use crate::load::gltf::leaves_folder;
-use crate::load::image::{Image, Room, load_image};
+use crate::load::image::{Halving, Image, Plan, Room, load_image_halved};
 use crate::report::LoadReport;
 use crate::shading::uniform_alpha;
 use crate::texture::{TextureDesc, TextureId, TextureRef};
@@ -16,16 +16,25 @@ use crate::texture::{TextureDesc, TextureId, TextureRef};
 /// The images of all materials, each decoded once.
 #[derive(Default)]
 pub(super) struct Images {
-    decoded: HashMap<PathBuf, Result<Image, String>>,
+    /// By path, and whether its bytes are numbers, not colours, if it is halved: then the means differ.
+    decoded: HashMap<(PathBuf, bool), Result<Image, String>>,
     added: HashMap<(PathBuf, bool, bool), TextureId>,
     /// Those of metal and roughness, by the paths of `map_Pr` and `map_Pm`, and whether they are clamped.
     pub(super) combined: HashMap<(Option<PathBuf>, Option<PathBuf>, bool), TextureId>,
     /// Images that became alpha, by path and whether they are clamped.
     alphas: HashMap<(PathBuf, bool), TextureId>,
     pub(super) room: Room,
+    /// How often images are halved, and the place of each path in it.
+    pub(super) plan: Plan,
+    planned: BTreeMap<PathBuf, usize>,
 }
 
 impl Images {
+    /// None yet; they are halved as `plan` says, in which `planned` has the place of each path.
+    pub(super) fn new((plan, planned): (Plan, BTreeMap<PathBuf, usize>)) -> Self {
+        Self { plan, planned, ..Self::default() }
+    }
+
     /// Adds the texture of a statement of the material `subject` to the scene; `None`, reported, if there is none.
     pub(super) fn add(
         &mut self,
@@ -44,7 +53,7 @@ impl Images {
         }
         let texture = match self.added.get(&key) {
             Some(known) => *known,
-            None => match self.decode(&path, &map.file) {
+            None => match self.decode(&path, bytes, &map.file) {
                 Ok(image) => {
                     if image.is_rounded {
                         report.note(subject, format!("the 16 bits of its {keyword} {} are rounded to 8", map.file));
@@ -107,15 +116,18 @@ impl Images {
         Some(TextureRef { texture, ..used })
     }
 
-    pub(super) fn decode(&mut self, path: &Path, name: &str) -> Result<&Image, String> {
+    pub(super) fn decode(&mut self, path: &Path, bytes: TexelFormat, name: &str) -> Result<&Image, String> {
         if leaves_folder(name) {
             return Err("it is outside the folder of the scene; put it into that folder or below it".to_owned());
         }
-        let decoded = self.decoded.entry(path.to_owned()).or_insert_with(|| {
+        let times = self.planned.get(path).map(|&place| self.plan.times(place));
+        let differs = bytes == TexelFormat::Linear8 && times.is_some_and(|times| times > 0);
+        let decoded = self.decoded.entry((path.to_owned(), differs)).or_insert_with(|| {
             if !path.is_file() {
                 return Err("the file does not exist; put it where the scene expects it".to_owned());
             }
-            load_image(path).map_err(|error| error.to_string())
+            let halving = times.map(|times| Halving { times, bytes });
+            load_image_halved(path, halving).map_err(|error| error.to_string())
         });
         decoded.as_ref().map_err(Clone::clone)
     }

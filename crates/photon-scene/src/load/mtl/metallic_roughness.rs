@@ -70,7 +70,7 @@ impl Images {
         if !map.others.is_empty() {
             report.left_out(subject, format!("the options {} of its {keyword}", map.others.join(", ")));
         }
-        match self.decode(&folder.join(&map.file), &map.file) {
+        match self.decode(&folder.join(&map.file), TexelFormat::Linear8, &map.file) {
             Ok(image) => Some(image.clone()),
             Err(why) => {
                 report.left_out(subject, format!("its texture {keyword} {}: {why}", map.file));

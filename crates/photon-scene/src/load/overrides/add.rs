@@ -7,6 +7,7 @@ use crate::builder::{MaterialId, SceneBuilder};
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, ThinLens};
 use crate::environment::EnvironmentDesc;
 use crate::error::SceneError;
+use crate::load::budget::Budget;
 use crate::report::LoadReport;
 use std::path::Path;
 
@@ -32,11 +33,12 @@ impl Overrides {
         &self,
         with: &Environment,
         report: &mut LoadReport,
+        budget: &Budget,
     ) -> Result<Option<EnvironmentDesc>, SceneError> {
         let desc = match (&with.file, with.radiance, with.sky) {
             (Some(file), None, None) => {
                 let folder = self.path.parent().unwrap_or(Path::new(""));
-                EnvironmentDesc::read(&folder.join(file), report)?
+                EnvironmentDesc::read_within(&folder.join(file), report, budget)?
             }
             (None, Some(radiance), None) => EnvironmentDesc::constant(radiance.rgb()),
             (None, None, Some(sky)) => EnvironmentDesc::sky(sky.elevation, sky.turbidity),

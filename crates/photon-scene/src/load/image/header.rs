@@ -1,0 +1,83 @@
+//! Sizes of images from the start of their files.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use super::halve::halved;
+use super::{Format, ImageError, exr, hdr, jpeg, not_read, png, webp};
+
+/// So many bytes at the start of a file usually hold its header.
+const START: u64 = 64 << 10;
+
+/// The size of an image, and what decoding it takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::load) struct Header {
+    /// Texels in a row, and rows.
+    pub(in crate::load) size: [u32; 2],
+    /// Words of 32 bits for each texel.
+    pub(in crate::load) words: u64,
+    /// Bytes that a decoder needs besides the file and the decoded image.
+    pub(super) decoding: u64,
+    /// Whether it is halved row by row; otherwise the whole image is in memory first.
+    pub(super) is_by_rows: bool,
+}
+
+impl Header {
+    /// Reads the header of a file of `length` bytes that starts with `start`.
+    pub(in crate::load) fn read(start: &[u8], length: u64) -> Result<Self, ImageError> {
+        match Format::of(start) {
+            Format::Png => png::header(start, length),
+            Format::Jpeg => jpeg::header(start, length),
+            Format::WebP => webp::header(start),
+            Format::Exr => exr::header(start, length),
+            Format::Hdr => hdr::header(start),
+            Format::Other(name) => Err(not_read(name)),
+        }
+    }
+
+    /// Reads the header of a file, and its length; of most files only the first [`START`] bytes are read. `None` for files
+    /// that cannot be read, or not as an image. `most` is the largest length that may be read.
+    pub(in crate::load) fn of_file(path: &Path, most: u64) -> Option<(Self, u64)> {
+        let length = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?.len();
+        let mut file = File::open(path).ok()?;
+        let mut start = Vec::new();
+        file.by_ref().take(START.min(most)).read_to_end(&mut start).ok()?;
+        let header = Self::read(&start, length).or_else(|why| {
+            if length <= START || length > most {
+                return Err(why);
+            }
+            // An image with more than that before its header.
+            file.read_to_end(&mut start).map_err(|error| ImageError::new(error.to_string()))?;
+            Self::read(&start, length)
+        });
+        header.ok().map(|header| (header, length))
+    }
+
+    /// Bytes of a whole image of floats while its texels are put together.
+    pub(super) fn floats(size: [u32; 2]) -> u64 {
+        16 * u64::from(size[0]) * u64::from(size[1])
+    }
+
+    /// That of an image of floats, for which the image with this header stands.
+    pub(in crate::load) fn with_floats(&self) -> Self {
+        let decoding = self.decoding(0) + 2 * self.bytes(0) + Self::floats(self.size);
+        Self { size: self.size, words: 4, decoding, is_by_rows: false }
+    }
+
+    /// Bytes of its texels, halved so many times.
+    pub(in crate::load) fn bytes(&self, times: u32) -> u64 {
+        self.size.iter().map(|&side| u64::from(halved(side, times))).product::<u64>() * self.words * 4
+    }
+
+    /// Bytes that are needed to decode it and halve it so many times, without those of the file and of the result.
+    pub(in crate::load) fn decoding(&self, times: u32) -> u64 {
+        // Texels are collected, then copied to where textures share them.
+        let collected = match (self.is_by_rows, times) {
+            (true, _) => self.bytes(times),
+            (false, 0) => 0,
+            (false, _) => self.bytes(0),
+        };
+        self.decoding + collected
+    }
+}

@@ -48,6 +48,11 @@ pub struct CpuScene {
 }
 
 impl CpuScene {
+    /// Labels and bytes of vertex attributes and textures.
+    pub(crate) fn shading_memory(&self) -> Vec<(String, u64)> {
+        self.shading.as_ref().map(|shading| shading.memory()).unwrap_or_default()
+    }
+
     pub(crate) fn new(on: &Cpu, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
         view.validate()?;
         let present = Features::of(view);

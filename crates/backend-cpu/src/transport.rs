@@ -98,6 +98,7 @@ impl TransportBackend for Cpu {
             ("lights".to_owned(), bytes(scene.lights.len(), 64 + 4)),
             ("bvh".to_owned(), scene.caster.bytes()),
         ];
+        memory.extend(scene.shading_memory());
         memory.extend(self.noted_memory().iter().cloned());
         memory
     }

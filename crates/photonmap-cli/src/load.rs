@@ -4,18 +4,29 @@ use std::fs::File;
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 
-use photon_scene::{LoadReport, Overrides, Scene, SceneBuilder};
+use photon_scene::{LoadOptions, LoadReport, Overrides, Scene, SceneBuilder};
 
 use crate::args::SceneArgs;
 use crate::fault::Fault;
+
+/// The bytes that loading may take now, if they are limited.
+pub type Limit<'a> = Option<&'a dyn Fn() -> u64>;
 
 /// Loads and builds a scene, and prints the loader's report and the scene's warnings to standard error.
 ///
 /// # Errors
 /// As [`builder`]; the errors of [`SceneBuilder::build`]; with `--strict` anything that the loader approximates.
-#[expect(clippy::print_stderr, reason = "warnings go to standard error")]
 pub fn scene(args: &SceneArgs) -> Result<(Scene, LoadReport), Fault> {
-    let (builder, report) = builder(args)?;
+    scene_within(args, None)
+}
+
+/// As [`scene`]; loading keeps to the limit that `limit` gives when it starts.
+///
+/// # Errors
+/// As [`scene`]; textures and other parts that do not fit.
+#[expect(clippy::print_stderr, reason = "warnings go to standard error")]
+pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadReport), Fault> {
+    let (builder, report) = builder_within(args, limit)?;
     let scene = builder.build()?;
     for warning in scene.warnings() {
         eprintln!("warning: {warning}");
@@ -44,8 +55,14 @@ pub fn print(report: &LoadReport, strict: bool) -> Result<(), Fault> {
 /// # Errors
 /// [`Fault::Input`] for an unknown name, a file that cannot be read or is invalid, or an invalid environment.
 pub fn builder(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
-    let (mut builder, mut report) = described(args)?;
-    if let Some(desc) = args.environment.desc(&mut report)? {
+    builder_within(args, None)
+}
+
+fn builder_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(SceneBuilder, LoadReport), Fault> {
+    // Measured each time, since a scene that is loaded takes up memory.
+    let options = || LoadOptions::default().with_memory(limit.map(|limit| limit()));
+    let (mut builder, mut report) = described(args, &options())?;
+    if let Some(desc) = args.environment.desc_with(&mut report, &options())? {
         builder.environment_from(&desc)?;
     }
     for name in &args.environment.portals {
@@ -55,7 +72,7 @@ pub fn builder(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
 }
 
 /// The description of a scene with the overrides applied.
-fn described(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
+fn described(args: &SceneArgs, options: &LoadOptions) -> Result<(SceneBuilder, LoadReport), Fault> {
     let starts = args.overrides.as_deref() == Some(Path::new(STARTER));
     let given = args.overrides.as_deref().filter(|_| !starts).map(Overrides::read).transpose()?;
     let overrides = match args.light_units {
@@ -90,7 +107,7 @@ fn described(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
             )))
         }
         None => {
-            let (builder, report) = photon_scene::load_builder(path, overrides.as_ref())?;
+            let (builder, report) = photon_scene::load_builder_with(path, overrides.as_ref(), options)?;
             if starts {
                 write_starter(&path.with_extension("toml"), &builder)?;
             }

@@ -1,5 +1,9 @@
 //! Memory of the process: how much it uses, and how much it may use.
 
+use std::collections::BTreeSet;
+
+use photon_scene::Scene;
+
 /// Resident bytes now, if the system reports them (Linux).
 #[must_use]
 pub fn resident() -> Option<u64> {
@@ -30,6 +34,21 @@ const WRITTEN: u64 = 300;
 pub fn for_the_library(cap: u64, size: (u32, u32)) -> u64 {
     let pixels = u64::from(size.0) * u64::from(size.1);
     cap.saturating_sub(resident().unwrap_or_default() + BESIDES + pixels * WRITTEN)
+}
+
+/// Memory limit for loading a scene file: half of what the library may have now. The other half is for the tables that are
+/// made of the scene, and for photons.
+#[must_use]
+pub fn for_loading(cap: u64, size: (u32, u32)) -> u64 {
+    for_the_library(cap, size) / 2
+}
+
+/// Bytes of the texels of a scene; textures that share them count once.
+#[must_use]
+pub fn texels(scene: &Scene) -> u64 {
+    let mut seen = BTreeSet::new();
+    let images = scene.view().shading.textures.iter();
+    images.filter(|image| seen.insert(image.texels.as_ptr())).map(|image| size_of_val(&*image.texels) as u64).sum()
 }
 
 /// Parses a size in bytes: `2GiB`, `500MB`, `1048576`.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
-use photon_scene::{EnvironmentDesc, LoadReport, SceneError};
+use photon_scene::{EnvironmentDesc, LoadOptions, LoadReport, SceneError};
 
 /// Light from infinitely far away.
 #[derive(Clone, Debug, Default, Args)]
@@ -89,9 +89,21 @@ impl EnvironmentArgs {
     /// # Errors
     /// An image that cannot be read.
     pub fn desc(&self, report: &mut LoadReport) -> Result<Option<EnvironmentDesc>, SceneError> {
+        self.desc_with(report, &LoadOptions::default())
+    }
+
+    /// As [`Self::desc`], with options: a limit on memory.
+    ///
+    /// # Errors
+    /// An image that cannot be read, or does not fit.
+    pub fn desc_with(
+        &self,
+        report: &mut LoadReport,
+        options: &LoadOptions,
+    ) -> Result<Option<EnvironmentDesc>, SceneError> {
         let Some(name) = &self.environment else { return Ok(None) };
         let desc = match name {
-            EnvironmentName::File(path) => EnvironmentDesc::read(path, report)?,
+            EnvironmentName::File(path) => EnvironmentDesc::read_with(path, report, options)?,
             EnvironmentName::Constant(radiance) => EnvironmentDesc::constant(*radiance),
             EnvironmentName::Sky(elevation, turbidity) => EnvironmentDesc::sky(*elevation, *turbidity),
         };

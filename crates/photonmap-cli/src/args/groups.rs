@@ -249,6 +249,8 @@ pub struct MachineArgs {
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub threads: Option<usize>,
     /// Limit on the memory of the process, such as 2GiB; passes then have fewer photons, and there are more passes.
+    ///
+    /// A scene file may take half of what the picture leaves of it: larger textures are reduced, which is reported, or refused.
     #[arg(long, value_name = "SIZE", value_parser = crate::memory::parse, hide_short_help = true)]
     pub memory: Option<u64>,
 }

@@ -34,7 +34,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
     let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
     let begun = Instant::now();
-    let (scene, loaded) = load::scene(&args.scene)?;
+    let limit = args.machine.memory.map(|cap| move || memory::for_loading(cap, args.settings.picture.size));
+    let (scene, loaded) = load::scene_within(&args.scene, limit.as_ref().map(|limit| limit as &dyn Fn() -> u64))?;
     let seconds_load = begun.elapsed().as_secs_f64();
     let view = args.settings.picture.view(&scene)?;
     let begun_opening = Instant::now();
@@ -214,7 +215,11 @@ fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &mut Settings) 
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
     Ok(vec![match chosen {
-        Chosen::Cpu(on) => chosen_pipeline(on, args, scene, view, memory, settings)?,
+        Chosen::Cpu(on) => {
+            // It counts the texels, which it shares with the scene: they are resident already.
+            let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
+            chosen_pipeline(on, args, scene, view, memory, settings)?
+        }
         Chosen::Vulkan(on) => chosen_pipeline(*on, args, scene, view, memory, settings)?,
     }])
 }

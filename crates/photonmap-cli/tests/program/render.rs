@@ -170,6 +170,23 @@ fn memory_is_capped_and_the_photons_are_all_there() {
     assert!(number("paths_per_pass") < 1_500_000 && number("paths") >= 1_500_000, "{report:#}");
 }
 
+/// The header of a texture tells that it does not fit, before its data is read: this one has none.
+#[cfg(target_os = "linux")]
+#[test]
+fn textures_beyond_the_memory_are_named() {
+    let folder = folder("large-texture");
+    std::fs::write(folder.join("wood.hdr"), "#?RADIANCE\n\n-Y 4096 +X 4096\n").unwrap();
+    std::fs::write(folder.join("a.mtl"), "newmtl wood\nmap_Kd wood.hdr\n").unwrap();
+    let scene = folder.join("a.obj");
+    std::fs::write(&scene, "mtllib a.mtl\nusemtl wood\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let output = render(&[scene.to_str().unwrap(), "--size", "8x8", "--backend", "cpu", "--memory", "500MB"]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    for part in ["a.obj: map_Kd wood.hdr of material 'wood' (4096 × 4096 texels)", "allow more memory"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
 /// A light with hardly any photons is named, in a warning and in the report.
 #[test]
 fn lights_that_get_too_few_photons_are_named() {

@@ -3,6 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 
+use photon_core::glam::Vec3;
 use photon_core::{Hit, Ray, RayCaster, SkipLimit};
 
 type Source = Box<dyn std::error::Error + Send + Sync>;
@@ -93,6 +94,19 @@ impl RayCaster for Checked {
         for (ray, hit) in rays.iter().zip(hits) {
             *hit = hit.and_then(|hit| self.valid(ray, hit));
         }
+    }
+
+    fn overlapping<'a>(&self, low: Vec3, high: Vec3, room: &'a mut [u32]) -> Option<&'a [u32]> {
+        let found = self.guarded(None, || self.caster.overlapping(low, high, room))?;
+        let wrong = found.iter().find(|&&triangle| triangle as usize >= self.triangles);
+        if let Some(triangle) = wrong {
+            self.note(format!(
+                "the ray caster returned triangle {triangle} in a box, but there are {}",
+                self.triangles
+            ));
+            return None;
+        }
+        Some(found)
     }
 
     fn prefers_batches(&self) -> bool {

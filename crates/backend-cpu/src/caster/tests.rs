@@ -2,8 +2,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use photon_core::{
-    Backend as _, Batch, Error, Film, Indirect, Pass, PerMap, Photon, PhotonRay, Pipeline, RandomKind, Render,
-    Requirements, Result, SceneView, Scheduling, Settings, TransportBackend as _, View, glam::Vec3,
+    Area, Backend as _, Batch, Error, Estimator, Film, Indirect, Pass, PerMap, Photon, PhotonRay, Pipeline, RandomKind,
+    Render, Requirements, Result, SceneView, Scheduling, Settings, TransportBackend as _, View, glam::Vec3,
 };
 use photon_scene::{Accel, ThinLens, builtin};
 
@@ -123,6 +123,52 @@ fn batches_are_not_used_where_surfaces_have_alpha() {
     let settings = Settings { photons: 100, ..Settings::default() };
     Pipeline::new(cpu, &scene.view(), view, settings).unwrap().pass(0, &mut ()).unwrap();
     assert_eq!(calls[0].load(Ordering::Relaxed), 0);
+}
+
+/// Counts rays, and knows which triangles are near or does not.
+struct Near {
+    accel: Accel,
+    knows: bool,
+    rays: Arc<AtomicUsize>,
+}
+
+impl RayCaster for Near {
+    fn nearest(&self, ray: &Ray) -> Option<Hit> {
+        self.rays.fetch_add(1, Ordering::Relaxed);
+        self.accel.nearest(ray)
+    }
+    fn overlapping<'a>(&self, low: Vec3, high: Vec3, room: &'a mut [u32]) -> Option<&'a [u32]> {
+        if self.knows { self.accel.overlapping(low, high, room) } else { None }
+    }
+}
+
+/// Discs that one triangle holds need no probes, and have the same areas: with and without error moments, on surfaces of all
+/// kinds, with reflections, and where photons far off the plane do not count.
+#[test]
+fn areas_without_probes_change_no_bit() {
+    // A small radius, since the one derived from so few photons reaches past most triangles.
+    let estimator = Estimator::Radius { radius: Some(0.05) };
+    let plain = Settings { photons: 4000, area: Area::Surface, estimator, ..Settings::default() };
+    for (name, settings) in [
+        ("cornell", Settings { errors: true, ..plain.clone() }),
+        ("cornell-glass", plain.clone()),
+        ("gloss", Settings { errors: true, ..plain.clone() }),
+        ("two-rooms", Settings { max_plane_distance: 0.1, ..plain.clone() }),
+    ] {
+        let rays = [false, true].map(|knows| {
+            let rays = Arc::new(AtomicUsize::new(0));
+            let count = rays.clone();
+            let make = move |view: &SceneView<'_>| -> Result<Box<dyn RayCaster>> {
+                let accel = Accel::build(view.positions, view.triangles).unwrap();
+                Ok(Box::new(Near { accel, knows, rays: count.clone() }))
+            };
+            let found = film(name, &settings, Some(make)).unwrap();
+            assert!(found == film(name, &settings, None::<Make>).unwrap(), "{name}, {knows}: another picture");
+            rays.load(Ordering::Relaxed)
+        });
+        // Twenty-four rays for each of fifty discs, at least.
+        assert!(rays[1] + 50 * 24 < rays[0], "{name}: {rays:?} rays");
+    }
 }
 
 /// Returns the same for every ray, or panics.

@@ -6,16 +6,20 @@ use photon_core::area::{self, HEIGHT, MIN_RADIUS, Probe, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    AreaProbe, EstimateBuffers, EstimateParams, Features, Lobe, Pass, Query, RandomKind, Ray, Result,
+    AreaProbe, EstimateBuffers, EstimateParams, Features, Hit, Lobe, Pass, Query, RandomKind, Ray, Result,
     SurfaceInteraction, anisotropy, math, offset, sampling,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
+use crate::stages::clear_disc::{FlatDisc, ON_PLANE, Place};
 
 /// Queries per parallel task.
 const BLOCK: usize = 64;
+
+/// Triangles around a query; where there are more, probes are traced.
+const MAX_NEAR: usize = 24;
 
 /// The estimate's radius, and the wide and narrow radius of the error moments, relative to the estimate's.
 const RADII: [f32; 3] = [1.0, SQRT_2, FRAC_1_SQRT_2];
@@ -81,6 +85,41 @@ struct Disc<'a> {
 }
 
 impl Disc<'_> {
+    /// Whether a disc with radius `far` lies within one triangle, with nothing above it: all probes would find that
+    /// triangle. For scenes without alpha, and if the ray caster tells which triangles are near.
+    fn is_clear(&self, far: f32) -> bool {
+        let Self { scene, query, gather, radius, .. } = *self;
+        // Points within the rounding of coordinates have to be near enough for each of the radii.
+        if gather.is_flat() && gather.max_plane_distance * FRAC_1_SQRT_2 * radius < 4.0 * ON_PLANE {
+            return false;
+        }
+        let (centre, normal) = (Vec3::from(query.position), Vec3::from(query.normal));
+        let disc = FlatDisc { centre, normal, radius: far, height: HEIGHT * radius };
+        let (low, high) = disc.bounds();
+        let mut room = [0; MAX_NEAR];
+        let Some(near) = scene.caster.overlapping(low, high, &mut room) else { return false };
+        let mut holder = None;
+        for &triangle in near {
+            match disc.place(scene.vertices[triangle as usize]) {
+                Place::Apart => {}
+                // Of two in the same place, the rays decide.
+                Place::Holds if holder.is_none() => holder = Some(triangle),
+                Place::Holds | Place::Other => return false,
+            }
+        }
+        let Some(primitive) = holder else { return false };
+        let down = Ray { origin: centre + normal * disc.height, direction: -normal, t_max: 2.0 * disc.height };
+        let surface = scene.interaction(&down, &Hit { t: disc.height, primitive, u: 1.0 / 3.0, v: 1.0 / 3.0 });
+        self.keeps(&surface) && !scene.materials[surface.material as usize].kind().transmits()
+    }
+
+    /// Whether the photons that the estimate counts are stored on the surface, by its material and its normal.
+    fn keeps(&self, surface: &SurfaceInteraction) -> bool {
+        let material = &self.scene.materials[surface.material as usize];
+        let keeps = if self.gather.reflection { material.has_reflection() } else { material.stores_photons() };
+        keeps && surface.normal.dot(Vec3::from(self.query.normal)) >= self.gather.min_normal_cosine
+    }
+
     /// The share of the disc that lies on the query's surface. With `SECOND`, also the shares of the discs with √2
     /// and 1/√2 times its radius; otherwise these are 1. With `ALPHA`, surfaces may have holes; those that are there with
     /// a probability count as there, since the photons stored on them stand for all that arrive.
@@ -90,6 +129,10 @@ impl Disc<'_> {
             return [1.0; 3];
         }
         let normal = Vec3::from(query.normal);
+        let far = if SECOND { SQRT_2 * radius } else { radius };
+        if !ALPHA && self.is_clear(far) {
+            return [1.0; 3];
+        }
         let (tangent, bitangent) = sampling::basis(normal);
         // The word for the path may have the anisotropy, which is that of many queries.
         let key = if gather.anisotropy && anisotropy::is_packed(query.path) { query.pixel } else { query.path };
@@ -100,7 +143,6 @@ impl Disc<'_> {
         let up = Ray { origin: from, direction: normal, t_max: HEIGHT * radius };
         let height = opaque::<ALPHA>(scene, up).map_or(HEIGHT * radius, |(t, _)| 0.5 * t);
         let apex = from + normal * height;
-        let far = if SECOND { SQRT_2 * radius } else { radius };
         let (mut found, mut all) = ([0.0; 3], [0.0; 3]);
         let discs = if SECOND { 3 } else { 1 };
         for spoke in 0..SPOKES {
@@ -127,11 +169,8 @@ impl Disc<'_> {
                 let away = probe.distance * radius;
                 let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
                 let Some((_, surface)) = opaque::<ALPHA>(scene, down) else { continue };
-                let material = &scene.materials[surface.material as usize];
-                let keeps = if gather.reflection { material.has_reflection() } else { material.stores_photons() };
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
-                let same = keeps && surface.normal.dot(normal) >= gather.min_normal_cosine;
-                if same && (away <= free || !enclosed::<ALPHA>(scene, &surface)) {
+                if self.keeps(&surface) && (away <= free || !enclosed::<ALPHA>(scene, &surface)) {
                     // The outer probe exists only if error moments are requested. It must not decide for the rings
                     // inside it, since the image must be the same either way.
                     whole = ring < RINGS && !gather.is_flat() && away <= free;

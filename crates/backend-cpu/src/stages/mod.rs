@@ -1,6 +1,7 @@
 //! The stages of a pass.
 
 pub(crate) mod area;
+pub(crate) mod clear_disc;
 pub(crate) mod direct;
 pub(crate) mod emit;
 pub(crate) mod error_moments;

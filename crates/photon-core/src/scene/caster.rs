@@ -92,6 +92,14 @@ pub trait RayCaster: Send + Sync {
         self.nearest_where(ray, keep).map(|hit| hit.is_some())
     }
 
+    /// The triangles that may overlap the box from `low` to `high`, among them all that do, written to `room`, in any order;
+    /// `None`, the default, if that is unknown or there are more than fit. Where it is known, the areas of estimates are
+    /// found without rays in the middle of flat surfaces; nothing else depends on it.
+    fn overlapping<'a>(&self, low: Vec3, high: Vec3, room: &'a mut [u32]) -> Option<&'a [u32]> {
+        let _ = (low, high, room);
+        None
+    }
+
     /// [`Self::nearest`] for each ray, into the element of `hits` at the same index. Both have the same length, and all
     /// elements of `hits` are written.
     fn nearest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {

@@ -5,9 +5,11 @@
 //! edge or a vertex hits one of the adjacent triangles.
 
 mod node;
+mod overlap;
 mod traverse;
 mod triangle;
 
+use photon_core::glam::Vec3;
 use photon_core::{Hit, Ray, RayCaster, SkipLimit};
 
 use super::{AccelError, binary, check};
@@ -60,6 +62,10 @@ impl RayCaster for Accel {
 
     fn occluded_where(&self, ray: &Ray, keep: &dyn Fn(&Hit) -> bool) -> Result<bool, SkipLimit> {
         Ok(traverse::occluded(&self.nodes, &self.packets, ray, keep))
+    }
+
+    fn overlapping<'a>(&self, low: Vec3, high: Vec3, room: &'a mut [u32]) -> Option<&'a [u32]> {
+        overlap::overlapping(&self.nodes, &self.packets, (low, high), room)
     }
 
     fn bytes(&self) -> u64 {

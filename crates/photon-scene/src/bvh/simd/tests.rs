@@ -100,6 +100,39 @@ fn the_tree_agrees_with_every_triangle_to_the_bit() {
     }
 }
 
+/// All triangles whose boxes overlap a box are among those that are found; fewer than all are; too little room is noticed.
+#[test]
+fn triangles_near_a_box() {
+    for (positions, triangles) in [soup(1), soup(5), soup(700), sphere(16)] {
+        let accel = Accel::build(&positions, &triangles).unwrap();
+        let mut next = numbers(9);
+        let mut found_in_all = 0;
+        for _ in 0..2_000 {
+            let centre = Vec3::new(next(), next(), next()) - 0.5;
+            let half = Vec3::new(next(), next(), next()) * 0.1;
+            let (low, high) = (centre - half, centre + half);
+            let mut room = [0; 1000];
+            let near = accel.overlapping(low, high, &mut room).unwrap().to_vec();
+            for (index, corners) in triangles.iter().enumerate() {
+                let corners = corners.map(|corner| Vec3::from(positions[corner as usize]));
+                let (least, most) =
+                    (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
+                if least.cmple(high).all() && most.cmpge(low).all() {
+                    assert!(near.contains(&(index as u32)), "{index} in {low} to {high}");
+                }
+            }
+            found_in_all += near.len();
+            let mut tight = vec![0; near.len()];
+            assert_eq!(accel.overlapping(low, high, &mut tight), Some(&near[..]));
+            if let Some((_, less)) = tight.split_first_mut() {
+                assert_eq!(accel.overlapping(low, high, less), None);
+            }
+        }
+        assert!(triangles.len() < 100 || found_in_all < 200 * triangles.len(), "{found_in_all}");
+    }
+    assert_eq!(Accel::build(&[], &[]).unwrap().overlapping(Vec3::ZERO, Vec3::ONE, &mut []), Some(&[][..]));
+}
+
 /// Some triangles are not there: the tree and brute force find the same hits, which are those of the meshes without
 /// these triangles, apart from indices.
 #[test]

@@ -11,7 +11,7 @@ use super::triangle::{LANES, Packet, Sheared, intersect};
 /// Deepest tree that the traversal stack supports.
 pub(crate) const MAX_DEPTH: usize = 40;
 /// Each level leaves at most seven children on the stack.
-const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
+pub(crate) const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 
 /// Slab distances are widened by this factor on either side, so that rounding never makes a ray miss a box
 /// that contains a triangle on its face (after Ize 2013).

@@ -1,5 +1,6 @@
 //! A scene prepared for ray tracing.
 
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use photon_core::glam::Vec3;
@@ -13,6 +14,7 @@ use photon_core::{
 use crate::caster::Checked;
 use crate::cpu::Cpu;
 use crate::shading::CpuShading;
+use crate::stages::clear_disc;
 
 /// A scene prepared for ray tracing.
 #[expect(missing_debug_implementations, reason = "holds a foreign ray caster")]
@@ -20,6 +22,8 @@ pub struct CpuScene {
     pub(crate) vertices: Vec<[Vec3; 3]>,
     /// For each triangle, the result of `offset::margin`.
     pub(crate) margins: Vec<f32>,
+    /// See [`Self::largest_inradius`].
+    largest_inradius: OnceLock<f32>,
     pub(crate) primitives: Vec<Primitive>,
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
@@ -81,6 +85,7 @@ impl CpuScene {
         Ok(Self {
             margins: vertices.iter().map(|&corners| offset::margin(corners)).collect(),
             vertices,
+            largest_inradius: OnceLock::new(),
             primitives: view.primitives.to_vec(),
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
@@ -99,6 +104,11 @@ impl CpuScene {
             present,
             build_seconds: start.elapsed().as_secs_f64(),
         })
+    }
+
+    /// Radius of the largest circle within one triangle; found when it is first asked for.
+    pub(crate) fn largest_inradius(&self) -> f32 {
+        *self.largest_inradius.get_or_init(|| self.vertices.iter().map(clear_disc::inradius).fold(0.0, f32::max))
     }
 
     /// Whether rays are traced in batches, as the ray caster prefers; never where a random word decides what a ray meets.

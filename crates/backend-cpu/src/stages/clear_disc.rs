@@ -72,6 +72,12 @@ impl FlatDisc {
     }
 }
 
+/// Radius of a triangle's inscribed circle, the largest within it: twice the area over the perimeter.
+pub(crate) fn inradius([a, b, c]: &[Vec3; 3]) -> f32 {
+    let area = 0.5 * (*b - *a).cross(*c - *a).length();
+    2.0 * area / ((*b - *a).length() + (*c - *b).length() + (*a - *c).length()).max(f32::MIN_POSITIVE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,6 +87,13 @@ mod tests {
     /// A triangle from coordinates relative to the centre.
     fn place(corners: [[f32; 3]; 3]) -> Place {
         DISC.place(corners.map(|corner| DISC.centre + Vec3::from(corner)))
+    }
+
+    #[test]
+    fn inscribed_circles() {
+        let corners = [[0.0, 0.0, 0.5], [3.0, 0.0, 0.5], [0.0, 4.0, 0.5]].map(Vec3::from);
+        assert!((inradius(&corners) - 1.0).abs() < 1e-6);
+        assert_eq!(inradius(&[Vec3::ONE; 3]), 0.0);
     }
 
     #[test]

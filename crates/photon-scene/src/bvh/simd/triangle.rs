@@ -156,12 +156,18 @@ const PLANE_TOLERANCE: f32 = CompressedTree::PLANE_TOLERANCE;
 /// that it had just left and ended behind it. In a drum of 512 sides that happened to 7 of 10⁴ diffuse bounces.
 #[inline(never)]
 fn side(packet: &Packet, ray: &Sheared, lanes: BVec4A, t: &mut Vec4) {
-    let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-    let origin = wide(ray.axes.map(|axis| ray.origin[axis % 3]));
+    // Without `map` of arrays, which is not always inlined.
+    let [first, second, third] = [ray.axes[0] % 3, ray.axes[1] % 3, ray.axes[2] % 3];
+    let wide = |x: f32, y: f32, z: f32| DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+    let origin = wide(ray.origin[first], ray.origin[second], ray.origin[third]);
     let [x, y, z] = ray.shear;
-    let direction = wide([x, y, 1.0]) / f64::from(z);
+    let direction = wide(x, y, 1.0) / f64::from(z);
     for lane in (0..LANES).filter(|lane| lanes.bitmask() >> lane & 1 == 1) {
-        let [a, b, c] = packet.vertices.map(|corner| wide(ray.axes.map(|axis| corner[axis % 3][lane])));
+        let corner = |at: usize| {
+            let corner = &packet.vertices[at];
+            wide(corner[first][lane], corner[second][lane], corner[third][lane])
+        };
+        let (a, b, c) = (corner(0), corner(1), corner(2));
         let normal = (b - a).cross(c - a);
         let along = normal.dot(direction);
         if along != 0.0 {

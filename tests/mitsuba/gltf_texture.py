@@ -19,14 +19,14 @@ def linear(image):
     return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
-def describe(mi, select, factor=(1, 1, 1, 1), image=None, colors=False, cutoff=None, normal=None, emits=False):
+def describe(mi, select, factor=(1, 1, 1, 1), image=None, colors=False, cutoff=None, normal=None, emits=False, opacity=None):
     """A texture of `factor`, times an image if there is one, times vertex colours if `colors`.
 
     `select` is "rgb" or the number of a channel; with a cutoff the result is 0 below and 1 from there. An image is a dict of
     texels (rows of four linear numbers), set, offset, rotation, scale, wrap and nearest. `normal` is the scale of a normal
-    map: its second component then points where the bitangent of Mitsuba does.
+    map: its second component then points where the bitangent of Mitsuba does. A light is the product with its `opacity`.
     """
-    DESCRIBED.append((select, factor, image, colors, cutoff, normal, emits))
+    DESCRIBED.append((select, factor, image, colors, cutoff, normal, emits, opacity))
     return mi.load_dict({"type": "gltf_texture", "number": len(DESCRIBED) - 1})
 
 
@@ -34,7 +34,9 @@ def register(mi, dr):
     class GltfTexture(mi.Texture):
         def __init__(self, props):
             mi.Texture.__init__(self, props)
-            self.select, self.factor, self.image, self.colors, self.cutoff, self.normal, self.emits = DESCRIBED[props["number"]]
+            self.select, self.factor, self.image, self.colors, self.cutoff, self.normal, self.emits, self.opacity = DESCRIBED[
+                props["number"]
+            ]
             if self.image is not None:
                 self.height, self.width = self.image["texels"].shape[:2]
                 self.texels = mi.Float(np.ascontiguousarray(self.image["texels"], np.float32).ravel())
@@ -87,6 +89,8 @@ def register(mi, dr):
 
         def eval_3(self, si, active=True):
             value = self.channels(si, active)[:3]
+            if self.opacity is not None:
+                value = [part * self.opacity.eval_1(si, active) for part in value]
             if self.normal is not None:
                 hand = dr.select(si.shape.eval_attribute_1("vertex_hand", si, active) > 0, 1.0, -1.0)
                 value = [2 * part - 1 for part in value]

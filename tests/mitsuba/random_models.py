@@ -47,8 +47,12 @@ class Model(random_scenes.Scene):
         self.ours |= {"cameras": []}
         self.lights, self.is_absorbing, self.used = [], False, {"KHR_materials_specular"}
 
-    def image(self, number, which, texels, is_color):
-        """A texture of bytes for an object: its glTF textureInfo, and the image for gltf_texture.describe."""
+    def image(self, number, which, texels, is_color, emits=False):
+        """A texture of bytes for an object: its glTF textureInfo, and the image for gltf_texture.describe.
+
+        Where Mitsuba samples a light, it knows neither the second set of coordinates nor the colours of vertices, so
+        that what `emits` has none.
+        """
         rng, has = self.choices.rng(2, number, which), self.choices.has
         wrap = rng.choice([gltf_texture.REPEAT, gltf_texture.CLAMP, gltf_texture.MIRROR], 2).tolist()
         wrap = wrap if has("wraps", number) else [gltf_texture.REPEAT] * 2
@@ -70,8 +74,7 @@ class Model(random_scenes.Scene):
             info["extensions"] = {"KHR_texture_transform": change}
             image |= change
             self.used.add("KHR_texture_transform")
-        # Mitsuba's lights have one set of coordinates.
-        if which not in (2, 3) and has("second-set", number):
+        if which not in (2, 3) and not emits and has("second-set", number):
             info["texCoord"] = image["set"] = 1
         return info, image
 
@@ -92,7 +95,8 @@ class Model(random_scenes.Scene):
         mode = next((name for name in ("mask", "blend") if has(name, number)), None) if kind == "sheet" else None
         alpha = float(alpha) if mode else 1.0
         pbr["baseColorFactor"] = [*color, alpha]
-        colors, base = has("vertex-colors", number), None
+        is_covered_light = mode is not None and emission is not None
+        colors, base = has("vertex-colors", number) and not is_covered_light, None
         if kind in ("glass", "thin"):
             pbr["roughnessFactor"] = 0.0
             if not has("tint", number):
@@ -110,7 +114,7 @@ class Model(random_scenes.Scene):
             self.used |= set(extensions)
             return self.append("materials", material), bsdf, None, colors
         if has("base-texture", number):
-            info, base = self.image(number, 0, texels, True)
+            info, base = self.image(number, 0, texels, True, is_covered_light)
             pbr["baseColorTexture"] = info
         factor = pbr["baseColorFactor"]
         reflectance = self.describe("rgb", factor, base, colors)
@@ -133,13 +137,15 @@ class Model(random_scenes.Scene):
             normal = self.describe("rgb", image=normal, normal=float(normal_scale))
             bsdf = {"type": "normalmap", "use_shadowing_function": False, "normalmap": normal, "bsdf": bsdf}
         bsdf = {"type": "twosided", "bsdf": bsdf}
+        opacity = None
         if mode:
             material["alphaMode"] = mode.upper()
             cutoff = None
             if mode == "mask":
                 # Of a factor and vertex colours, too, but so that a part is there.
                 cutoff = material["alphaCutoff"] = float(0.4 * alpha)
-            bsdf = {"type": "mask", "bsdf": bsdf, "opacity": self.describe(3, factor, base, colors, cutoff)}
+            opacity = self.describe(3, factor, base, colors, cutoff)
+            bsdf = {"type": "mask", "bsdf": bsdf, "opacity": opacity}
         radiance = None
         if emission is not None:
             strength = max(emission)
@@ -148,7 +154,8 @@ class Model(random_scenes.Scene):
             shown = None
             if has("emission-texture", number):
                 material["emissiveTexture"], shown = self.image(number, 2, glow.astype(np.uint8), True)
-            radiance = self.describe("rgb", (*emission, 1), shown, emits=True)
+            # What is not covered does not emit (glTF 2.0, 3.9.4); Mitsuba's `mask` leaves lights as they are.
+            radiance = self.describe("rgb", (*emission, 1), shown, emits=True, opacity=opacity)
         else:
             material["doubleSided"] = not has("single-sided", number)
         self.used |= set(extensions)

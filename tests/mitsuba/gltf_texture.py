@@ -95,7 +95,10 @@ def register(mi, dr):
                 hand = dr.select(si.shape.eval_attribute_1("vertex_hand", si, active) > 0, 1.0, -1.0)
                 value = [2 * part - 1 for part in value]
                 normal = mi.Vector3f(value[0] * self.normal, value[1] * self.normal * hand, value[2])
-                value = list(dr.normalize(normal) * 0.5 + 0.5)
+                normal, toward = dr.normalize(normal), dr.select(si.wi.z < 0, -1.0, 1.0) * si.wi
+                cosine = dr.dot(normal, toward)
+                normal = dr.select(cosine < 1e-3, dr.normalize(normal + toward * (1e-3 - cosine)), normal)
+                value = list(normal * 0.5 + 0.5)
             return mi.Color3f(*value)
 
         def eval(self, si, active=True):

@@ -136,6 +136,8 @@ class Model(random_scenes.Scene):
             material["normalTexture"] = info | {"scale": float(normal_scale)}
             normal = self.describe("rgb", image=normal, normal=float(normal_scale))
             bsdf = {"type": "normalmap", "use_shadowing_function": False, "normalmap": normal, "bsdf": bsdf}
+            # gltf_texture.py bends normals that face away from the viewer, as we do; glTF leaves that open.
+            bsdf["flip_invalid_normals"] = False
         bsdf = {"type": "twosided", "bsdf": bsdf}
         opacity = None
         if mode:
@@ -178,7 +180,8 @@ class Model(random_scenes.Scene):
         material = self.ours["materials"][index]
         if colors:
             attributes["COLOR_0"] = self.accessor(tints.astype(np.float32), "VEC4", 5126)
-        if smooth or has("tangents", number):
+        is_faceted = bool((normals[triangles] == normals[triangles[:, :1]]).all())
+        if smooth or (is_faceted and has("tangents", number)):
             attributes["NORMAL"] = self.accessor(normals.astype(np.float32), "VEC3", 5126)
         if "normalTexture" in material and has("tangents", number):
             tangents = np.zeros((len(positions), 4), np.float32)
@@ -304,7 +307,7 @@ class Model(random_scenes.Scene):
         to_world = mi.ScalarTransform4f().look_at(origin=list(eye), target=list(target), up=list(up))
         if "orthographic" in self.choices.on:
             half_width = half_height * width / height
-            lens = {"xmag": half_width, "ymag": half_height, "znear": 0.001, "zfar": 100}
+            lens = {"xmag": half_width, "ymag": half_height, "znear": 0.0, "zfar": 100}
             camera = {"type": "orthographic", "orthographic": lens}
             to_world = to_world @ mi.ScalarTransform4f().scale([half_width, half_width, 1])
             sensor = {"type": "orthographic"}
@@ -312,7 +315,8 @@ class Model(random_scenes.Scene):
             lens = {"yfov": float(np.radians(fov)), "aspectRatio": width / height, "znear": 0.01}
             camera = {"type": "perspective", "perspective": lens}
             sensor = {"type": "perspective", "fov": fov, "fov_axis": "y"}
-        self.theirs["sensor"] = sensor | {"to_world": to_world, "film": film, "near_clip": 0.001}
+        # Ours does not clip, which shows where orthographic rays start near a wall.
+        self.theirs["sensor"] = sensor | {"to_world": to_world, "film": film, "near_clip": 1e-5}
         node = {"matrix": look_at(eye, target, up).T.ravel().tolist(), "camera": self.append("cameras", camera)}
         self.roots.append(self.append("nodes", node))
 

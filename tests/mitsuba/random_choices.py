@@ -7,6 +7,8 @@ FEATURES = """room lights gloss rough-texture base-texture second-set wraps tran
 glass thin tint absorption mask blend hierarchy mirrored instance emitter emission-texture both-sides single-sided orthographic
 wide tall roll standard-units gather camera-in-glass light-in-glass scattered-environment""".split()
 GLASS = {"glass", "thin", "absorption", "camera-in-glass", "light-in-glass"}
+# Walls have lower numbers, objects higher ones.
+LIGHT = 10
 
 
 class Choices:

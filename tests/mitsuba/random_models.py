@@ -1,0 +1,89 @@
+"""Compares random glTF files of many features with an unbiased path tracer, Mitsuba 3 (Jakob et al. 2022).
+
+    pip install mitsuba
+    cargo build --release
+    python tests/mitsuba/random_models.py target/release/photonmap 0 20
+    python tests/mitsuba/random_models.py target/release/photonmap 7 1 --without wraps,second-set
+
+renders the scenes of the seeds 0 to 19. Each seed has a random subset of FEATURES, which are on or off in the scene as a
+whole and then used by random objects; `--without` removes some of them and leaves what the others draw as it is, so that a
+difference can be reduced. Plastics and metals have the BSDF of gloss.py in Mitsuba, textures that of gltf_texture.py. Fails if
+the mean of a channel differs by more than one per cent and 4.5 standard errors, or that of a block of 8×8 pixels by more
+than 4 % and 4.5 standard errors (relative to the block, or to a twentieth of the mean of the picture where it is darker);
+before that it checks that a picture 10 % too bright in red fails. Unknown options are those of `photonmap render`.
+
+Point, spot and directional lights exclude smooth glass and emission in it, whose caustics a path tracer cannot find.
+"""
+
+import argparse
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+
+import block_comparison
+import exported
+import gloss
+import gltf_texture
+from model_scenes import make
+from random_choices import FEATURES
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", type=pathlib.Path, help="the photonmap program")
+    parser.add_argument("first", type=int, help="the first seed")
+    parser.add_argument("count", type=int, help="the number of scenes")
+    parser.add_argument("--without", default="", help="features to leave out, separated by commas")
+    parser.add_argument("--only", help="leave out all features but these")
+    parser.add_argument("--folder", type=pathlib.Path, default=pathlib.Path("out/models"))
+    parser.add_argument("--variant", default="llvm_ad_rgb")
+    parser.add_argument("--samples", type=int, default=128, help="paths per pixel and run of Mitsuba")
+    parser.add_argument("--runs", type=int, default=6, help="runs of each with different seeds, at least 4")
+    parser.add_argument("--passes", type=int, default=10)
+    args, further = parser.parse_known_args()
+    if args.runs < 4:
+        parser.error("at least 4 runs are needed")
+    without = {name for name in args.without.split(",") if name}
+    if args.only is not None:
+        without = set(FEATURES) - set(args.only.split(","))
+    if without - set(FEATURES):
+        parser.error(f"features are {', '.join(FEATURES)}")
+
+    import drjit as dr
+    import mitsuba as mi
+
+    mi.set_variant(args.variant)
+    gloss.make_bsdf(mi, dr)
+    gltf_texture.register(mi, dr)
+    args.folder.mkdir(parents=True, exist_ok=True)
+    different = []
+    for seed in range(args.first, args.first + args.count):
+        scene, integrator, size, options, described = make(mi, seed, args.folder, without)
+        path = mi.load_dict({"type": integrator, "max_depth": -1, "rr_depth": 32})
+        ours, theirs = [], []
+        for run in range(args.runs):
+            theirs.append(np.array(mi.render(scene, integrator=path, spp=args.samples, seed=run), dtype=np.float64))
+            picture = args.folder / f"ours-{run}.exr"
+            command = [args.program, "render", args.folder / "scene.gltf", "--size", f"{size[0]}x{size[1]}", *options]
+            command += ["--passes", args.passes, "--seed", run, "-o", picture]
+            # Mitsuba's shadow rays start at the triangles.
+            command += [*exported.OURS, "--no-terminator-offset", *further]
+            subprocess.run(list(map(str, command)), check=True, stderr=subprocess.DEVNULL)
+            layers = dict(mi.Bitmap(str(picture)).split())
+            ours.append(np.array(layers["<root>"], dtype=np.float64)[..., :3])
+        ours, theirs = np.array(ours), np.array(theirs)[..., :3]
+        for name, pictures in (("ours", ours), ("theirs", theirs)):
+            mi.Bitmap(pictures.mean(axis=0).astype(np.float32)).write(str(args.folder / f"{seed}-{name}.exr"))
+        if not block_comparison.compare(ours * [1.1, 1.0, 1.0], theirs)[1]:
+            sys.exit(f"seed {seed}: too noisy, a picture 10 % too bright in red would pass; use more samples or runs")
+        lines, differ = block_comparison.compare(ours, theirs)
+        print(f"seed {seed}: {'DIFFERS' if differ else 'agrees'}", *lines, *described, sep="\n  ", flush=True)
+        different += [seed] if differ else []
+    if different:
+        sys.exit(f"the pictures differ: seeds {different}")
+
+
+if __name__ == "__main__":
+    main()

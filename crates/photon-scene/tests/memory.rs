@@ -157,7 +157,7 @@ fn a_limit_that_is_not_reached_changes_nothing() {
     assert_eq!(sides(limited), [64; 8]);
 }
 
-/// 8 × 256² texels of 4 bytes are 2 MiB: they are halved once for 1 MiB, and twice for less than what remains.
+/// 8 × 256² texels of 4 bytes are 2 MiB, which 4 MiB hold with an image that is decoded; 2 MiB do not, but hold a quarter.
 #[test]
 fn textures_are_reduced_and_counted() {
     let folder = Folder::new("reduced");
@@ -171,7 +171,7 @@ fn textures_are_reduced_and_counted() {
     assert!(text.contains("the file: 8 of 8 images of textures are reduced") && !report.is_exact(), "{text}");
     for at in 0..8 {
         let line = format!(
-            "material 'm{at}': textures are reduced for want of memory: texture {at} 'image{at}.png' from \
+            "material 'm{at}': textures are reduced: texture {at} 'image{at}.png' from \
                             256 × 256 texels to 128 × 128"
         );
         assert!(text.contains(&line), "{line}\n{text}");
@@ -270,8 +270,7 @@ fn textures_of_mtl_are_reduced_or_refused_too() {
         kinds.push(match result {
             Ok((builder, report)) => {
                 let text = report.to_string();
-                let line =
-                    "material 'm2': textures are reduced for want of memory: map_Kd color2.png from 256 × 256 texels";
+                let line = "material 'm2': textures are reduced: map_Kd color2.png from 256 × 256 texels";
                 assert_eq!(text.contains(line), text.contains("reduced"), "{text}");
                 sides(builder)[0]
             }
@@ -280,7 +279,7 @@ fn textures_of_mtl_are_reduced_or_refused_too() {
                 assert!(
                     text.contains("a.obj: ")
                         && text.contains("of material '")
-                        && text.contains("and 1 others (256 × 256"),
+                        && text.contains("and another (256 × 256"),
                     "{text}"
                 );
                 0
@@ -308,4 +307,124 @@ fn meshes_and_environments_count() {
     let text = EnvironmentDesc::read_with(&path, &mut report, &options(3 << 20)).unwrap_err().to_string();
     assert!(text.contains("sky.hdr: the image of the environment needs"), "{text}");
     assert!(EnvironmentDesc::read_with(&path, &mut report, &options(9 << 20)).is_ok());
+}
+
+/// The textures get what the meshes leave: 2 MiB of texels and 60,000 vertices, 60000 · (12 + 8) bytes in the file and
+/// 60000 · (24 + 16 + 4) in the scene, 3.7 MiB.
+#[test]
+fn textures_leave_room_for_the_meshes() {
+    let folder = Folder::new("geometry");
+    let path = eight(&folder, 256);
+    let count = 60_000;
+    let json = fs::read_to_string(&path).unwrap().replace(r#""count": 3"#, &format!(r#""count": {count}"#));
+    let json = json.replace(r#""byteLength": 60"#, &format!(r#""byteLength": {}"#, 20 * count));
+    let json = json.replace(r#""byteLength": 36"#, &format!(r#""byteLength": {}"#, 12 * count));
+    let json = json.replace(
+        r#""byteOffset": 36, "byteLength": 24"#,
+        &format!(r#""byteOffset": {}, "byteLength": {}"#, 12 * count, 8 * count),
+    );
+    // One node of the eight.
+    let json = json.replace(r#""nodes": [0, 1, 2, 3, 4, 5, 6, 7]"#, r#""nodes": [0]"#);
+    fs::write(&path, json).unwrap();
+    let corners = (0..count).flat_map(|at| [at as f32, (at % 7) as f32, 0.0]).chain((0..2 * count).map(|_| 0.5));
+    folder.write("a.bin", corners.flat_map(f32::to_le_bytes).collect::<Vec<u8>>());
+    let mut kinds = Vec::new();
+    for kilobytes in [3000, 5000, 6000, 9000] {
+        match within(&path, kilobytes << 10) {
+            Ok((_, report)) => kinds.push(if report.is_exact() { "whole" } else { "reduced" }),
+            Err(error) => {
+                let text = error.to_string();
+                assert!(text.contains("the geometry needs") || text.contains("of geometry,"), "{text}");
+                kinds.push("refused");
+            }
+        }
+    }
+    assert_eq!(kinds, ["refused", "reduced", "reduced", "whole"]);
+}
+
+/// A PNG with so many bytes of another chunk before its texels.
+fn with_chunk(png: &[u8], bytes: usize) -> Vec<u8> {
+    // The signature and IHDR.
+    let (start, rest) = png.split_at(33);
+    let mut chunk = b"prVt".to_vec();
+    chunk.resize(4 + bytes, 7);
+    let sum = chunk.iter().fold(u32::MAX, |sum, &byte| {
+        (0..8).fold(sum ^ u32::from(byte), |sum, _| (sum >> 1) ^ (0xEDB8_8320 * (sum & 1)))
+    });
+    [start, &(bytes as u32).to_be_bytes(), &chunk, &(!sum).to_be_bytes(), rest].concat()
+}
+
+/// Images whose size is not known are not decoded, and hardly read.
+#[test]
+fn an_image_without_a_header_takes_no_memory() {
+    let unknown = vec![b'x'; 40 << 20];
+    let far = with_chunk(&png(64), 40 << 20);
+    for (bytes, cause) in [(unknown, "of an unknown format"), (far, "no header within its first 16.0 MiB")] {
+        let folder = Folder::new(&format!("header-{}", bytes[0]));
+        folder.write("color.png", &bytes);
+        folder.write("a.mtl", "newmtl m\nmap_Kd color.png\n");
+        let obj = folder.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+        for path in [gltf(&folder, &[("color.png", bytes.clone())], ""), obj] {
+            let (result, peak) = peak(|| within(&path, 20 << 20));
+            let (_, report) = result.unwrap();
+            assert!(report.to_string().contains(cause), "{report}");
+            assert!(peak < 20 << 20, "{peak}");
+        }
+        let sky = EnvironmentDesc::read_with(
+            &folder.0.join("color.png"),
+            &mut LoadReport::default(),
+            &LoadOptions::default().with_memory(Some(20 << 20)),
+        );
+        let text = sky.unwrap_err().to_string();
+        assert!(text.contains(cause), "{text}");
+    }
+    // A megabyte before the header is found.
+    let folder = Folder::new("header-near");
+    let path = gltf(&folder, &[("color.png", with_chunk(&png(64), 1 << 20))], "");
+    assert!(within(&path, 20 << 20).unwrap().1.is_exact());
+}
+
+/// Files with few kinds of statements, of which each byte becomes as many bytes as possible.
+#[test]
+fn dense_text_and_binary_files_are_counted() {
+    let folder = Folder::new("dense");
+    let ascii = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+    let faces = format!("255{}\n", " 0".repeat(255)).repeat(400);
+    let list = "element face 400\nproperty list uchar uchar vertex_indices\nend_header\n";
+    let mut binary = format!("{}{list}", ascii.replace("ascii", "binary_little_endian")).into_bytes();
+    binary.extend([0; 12]);
+    for _ in 0..400 {
+        binary.push(255);
+        binary.extend([0; 255]);
+    }
+    let values = "0,".repeat(100_000) + "0";
+    let nodes = "{},".repeat(20_000) + "{}";
+    let files = [
+        folder.write("text.ply", format!("{ascii}{list}0 0 0\n{faces}")),
+        folder.write("binary.ply", binary),
+        folder.write("fan.obj", format!("v 0 0 0\nf{}\n", " 1".repeat(200_000))),
+        folder.write("faces.obj", format!("v 0 0 0\nvn 0 0 1\nvt 0 0\n{}", "f 1/1/1 1/1/1 1/1/1\n".repeat(20_000))),
+        folder.write("vertices.obj", "v 0 0 0 0 0 0\n".repeat(20_000)),
+        folder.write("values.gltf", format!(r#"{{"asset": {{"version": "2.0"}}, "extras": [{values}]}}"#)),
+        folder.write("nodes.gltf", format!(r#"{{"asset": {{"version": "2.0"}}, "nodes": [{nodes}]}}"#)),
+    ];
+    for path in files {
+        let mut kinds = Vec::new();
+        for kilobytes in [10_u64, 200, 1000, 4000, 8000, 16_000, 32_000, 64_000] {
+            let limit = kilobytes << 10;
+            let (result, peak) = peak(|| within(&path, limit));
+            assert!(peak <= limit + DESCRIPTIONS, "{}: {peak} bytes within {limit}", path.display());
+            kinds.push(result.is_ok());
+        }
+        assert!(!kinds[0] && kinds[7] && kinds.is_sorted(), "{}: {kinds:?}", path.display());
+    }
+    // The materials, and what overrides them.
+    folder.write("large.mtl", "# \n".repeat(1 << 20));
+    let path = folder.write("large.obj", "mtllib large.mtl\n");
+    let text = within(&path, 2 << 20).map(drop).unwrap_err().to_string();
+    assert!(text.contains("large.mtl: the file needs"), "{text}");
+    let path = folder.write("large.toml", "# \n".repeat(1 << 20));
+    let options = LoadOptions::default().with_memory(Some(2 << 20));
+    let text = photon_scene::Overrides::read_with(&path, &options).map(drop).unwrap_err().to_string();
+    assert!(text.contains("large.toml: the file needs"), "{text}");
 }

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use crate::memory::text as bytes_text;
+
 /// Why the program ends early.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -13,6 +15,9 @@ pub enum Fault {
     /// Any other error. Exit code 1.
     #[error("{0}")]
     Failure(String),
+    /// `--memory` is too low: the library needs so many bytes. Exit code 2.
+    #[error("the scene, the picture and a few photons need {}; allow more memory", bytes_text(*.0))]
+    OverMemory(u64),
 }
 
 impl Fault {
@@ -24,6 +29,19 @@ impl Fault {
     /// Any other error.
     pub fn failure(message: impl ToString) -> Self {
         Self::Failure(message.to_string())
+    }
+
+    /// In terms of the option `--memory`, if that is too low; the process needs `besides` bytes for other things.
+    #[must_use]
+    pub fn within(self, memory: Option<u64>, besides: u64) -> Self {
+        match (self, memory) {
+            (Self::OverMemory(needed), Some(cap)) => Self::Input(format!(
+                "--memory {}: the scene, the picture and a few photons need at least {}; allow more, or make the picture smaller",
+                bytes_text(cap),
+                bytes_text(besides.saturating_add(needed))
+            )),
+            (other, _) => other,
+        }
     }
 
     /// A file could not be written.
@@ -43,8 +61,8 @@ impl From<photon_core::Error> for Fault {
             | E::NoLight
             | E::NoReceiver
             | E::OutOfMemory { .. }
-            | E::AllocationTooLarge { .. }
-            | E::OverMemory { .. } => Self::Input(text),
+            | E::AllocationTooLarge { .. } => Self::Input(text),
+            E::OverMemory { needed, .. } => Self::OverMemory(needed),
             _ => Self::Failure(text),
         }
     }
@@ -52,7 +70,14 @@ impl From<photon_core::Error> for Fault {
 
 impl From<photon_scene::SceneError> for Fault {
     fn from(error: photon_scene::SceneError) -> Self {
-        Self::input(error)
+        match error {
+            // Twice what is missing, since loading may take half.
+            photon_scene::SceneError::Memory { needed, left, .. } => Self::Input(format!(
+                "{error}: --memory must be larger by at least {}, of which loading may take half",
+                bytes_text(needed.saturating_sub(left).saturating_mul(2))
+            )),
+            other => Self::input(other),
+        }
     }
 }
 
@@ -80,7 +105,7 @@ pub fn run(program: impl FnOnce() -> Result<(), Fault>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(fault) => {
             eprintln!("error: {fault}");
-            ExitCode::from(if matches!(fault, Fault::Input(_)) { 2 } else { 1 })
+            ExitCode::from(if matches!(fault, Fault::Input(_) | Fault::OverMemory(_)) { 2 } else { 1 })
         }
     }
 }

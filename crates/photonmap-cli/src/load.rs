@@ -74,7 +74,8 @@ fn builder_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(SceneBuilder, L
 /// The description of a scene with the overrides applied.
 fn described(args: &SceneArgs, options: &LoadOptions) -> Result<(SceneBuilder, LoadReport), Fault> {
     let starts = args.overrides.as_deref() == Some(Path::new(STARTER));
-    let given = args.overrides.as_deref().filter(|_| !starts).map(Overrides::read).transpose()?;
+    let given =
+        args.overrides.as_deref().filter(|_| !starts).map(|path| Overrides::read_with(path, options)).transpose()?;
     let overrides = match args.light_units {
         Some(units) => Some(given.unwrap_or_default().with_light_units(units)),
         None => given,

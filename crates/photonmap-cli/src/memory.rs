@@ -32,8 +32,14 @@ const WRITTEN: u64 = 300;
 /// Memory limit for the library, including what it holds already, such that the process stays below `cap`.
 #[must_use]
 pub fn for_the_library(cap: u64, size: (u32, u32)) -> u64 {
+    cap.saturating_sub(besides(size))
+}
+
+/// Memory that the process has now, and needs for other things than the library.
+#[must_use]
+pub fn besides(size: (u32, u32)) -> u64 {
     let pixels = u64::from(size.0) * u64::from(size.1);
-    cap.saturating_sub(resident().unwrap_or_default() + BESIDES + pixels * WRITTEN)
+    resident().unwrap_or_default() + BESIDES + pixels * WRITTEN
 }
 
 /// Memory limit for loading a scene file: half of what the library may have now. The other half is for the tables that are
@@ -49,6 +55,15 @@ pub fn texels(scene: &Scene) -> u64 {
     let mut seen = BTreeSet::new();
     let images = scene.view().shading.textures.iter();
     images.filter(|image| seen.insert(image.texels.as_ptr())).map(|image| size_of_val(&*image.texels) as u64).sum()
+}
+
+/// A size in the unit of [`parse`] that suits it, rounded up, so that it is enough.
+#[must_use]
+pub fn text(bytes: u64) -> String {
+    match bytes {
+        0..1_000_000 => bytes.to_string(),
+        _ => format!("{}MiB", bytes.div_ceil(1 << 20)),
+    }
 }
 
 /// Parses a size in bytes: `2GiB`, `500MB`, `1048576`.

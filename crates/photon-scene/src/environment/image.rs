@@ -28,7 +28,7 @@ impl EnvironmentDesc {
     }
 
     pub(crate) fn read_within(path: &Path, report: &mut LoadReport, budget: &Budget) -> Result<Self, SceneError> {
-        if let Some(needed) = image_bytes(path, budget) {
+        if let Some(needed) = image_bytes(path, budget)? {
             budget.check(needed, || "the image of the environment".to_owned()).map_err(|why| why.in_file(path))?;
         }
         Self::of_image(path.display().to_string(), &load_image(path)?, report)

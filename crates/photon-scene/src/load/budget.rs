@@ -9,15 +9,15 @@ use crate::error::SceneError;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LoadOptions {
-    /// Limit in bytes on what loading keeps and needs at a time; `None`, the default, is no limit beside the fixed ones.
+    /// Limit in bytes on what loading holds at any time; `None`, the default: no limit other than the fixed ones.
     ///
     /// It counts scene files and buffers while they are read, the vertices, triangles and texels that the
     /// [`crate::SceneBuilder`] keeps, and the largest image while it is decoded. It does not count the
     /// descriptions of materials and nodes, a few kB each, nor the tables that [`crate::SceneBuilder::build`] makes.
     ///
     /// Sizes are known from headers before anything is decoded. Textures that do not fit are reduced: the largest are
-    /// halved until all fit, down to 64 texels on a side, and the report says which. If that is not enough, the error is
-    /// [`SceneError::Memory`].
+    /// halved until all fit, down to 64 texels on the shorter side, and the report says which. If that is not enough,
+    /// the error is [`SceneError::Memory`]. Images without a header in their first 16 MiB are left out.
     pub memory: Option<u64>,
 }
 

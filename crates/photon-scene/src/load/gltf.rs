@@ -39,6 +39,7 @@ mod nodes;
 mod parameters;
 mod primitive;
 mod punctual;
+mod reserve;
 mod skin;
 mod slot;
 mod specular_glossiness;
@@ -93,10 +94,8 @@ fn assemble(bytes: &[u8], folder: &Path) -> Result<(SceneBuilder, LoadReport), F
 fn assemble_within(bytes: &[u8], folder: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), Fault> {
     let mut report = LoadReport::default();
     let mut builder = SceneBuilder::new();
-    if !bytes.starts_with(container::MAGIC) {
-        // The document as it is parsed, with its data URIs.
-        budget.take(2 * bytes.len() as u64, || "its JSON".to_owned())?;
-    }
+    // The document as it is parsed, with its data URIs.
+    budget.take(reserve::json(container::json_of(bytes)), || "its JSON".to_owned())?;
     let (root, bin) = container::open(bytes, &mut report)?;
     extensions::check(&root, &mut report)?;
     let buffers = Buffers::new(&root, folder, bin, budget);

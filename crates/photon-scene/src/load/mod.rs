@@ -101,11 +101,7 @@ fn read_within(path: &Path, budget: &Budget, factor: u64) -> Result<Vec<u8>, Sce
     read(path)
 }
 
-/// Reads the text of a file in a format that does not define an encoding.
-fn read_text(path: &Path) -> Result<String, SceneError> {
-    read(path).map(text_of)
-}
-
+/// The text of a file in a format that does not define an encoding.
 fn text_of(bytes: Vec<u8>) -> String {
     // Only names and comments can contain characters other than ASCII, and a name decodes to the same
     // text wherever it occurs.

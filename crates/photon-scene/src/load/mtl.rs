@@ -11,7 +11,7 @@ use self::images::Images;
 use self::map::Map;
 use self::translate::Translation;
 use super::budget::{Budget, Shortage};
-use super::read_text;
+use super::{read_within, text_of};
 use crate::builder::SceneBuilder;
 use crate::describe::MaterialDesc;
 use crate::error::SceneError;
@@ -74,14 +74,20 @@ struct Entry {
 
 impl Library {
     /// Reads the files that a statement `mtllib names` refers to; missing files are reported.
-    pub(super) fn open(&mut self, obj: &Path, names: &str, report: &mut LoadReport) -> Result<(), SceneError> {
+    pub(super) fn open(
+        &mut self,
+        obj: &Path,
+        names: &str,
+        budget: &Budget,
+        report: &mut LoadReport,
+    ) -> Result<(), SceneError> {
         let beside = |name: &str| obj.parent().unwrap_or(Path::new("")).join(name.replace('\\', "/"));
         // One name with spaces in it, or several names.
         let whole = beside(names);
         let paths = if whole.is_file() { vec![whole] } else { names.split_whitespace().map(beside).collect() };
         for path in paths {
             if path.is_file() {
-                self.entries.extend(parse(&path)?);
+                self.entries.extend(parse(&path, budget)?);
             } else {
                 let text = "does not exist; its materials become diffuse grey 0.5; put it beside the OBJ file";
                 report.left_out(format!("material file '{}'", path.display()), text);
@@ -108,14 +114,15 @@ impl Library {
         let mut images = Images::new(survey::plan(self, budget)?);
         let describe = |material| Translation { material, images: &mut images, builder, report }.describe();
         let descs = self.entries.iter().map(describe).collect();
-        images.plan.report(report);
+        images.survey.plan.report(report);
         images.room.report(builder, report);
         Ok(descs)
     }
 }
 
-fn parse(path: &Path) -> Result<Vec<Entry>, SceneError> {
-    let text = read_text(path)?;
+fn parse(path: &Path, budget: &Budget) -> Result<Vec<Entry>, SceneError> {
+    // The text, and the statements that are kept verbatim.
+    let text = text_of(read_within(path, budget, 2)?);
     let mut entries: Vec<Entry> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();

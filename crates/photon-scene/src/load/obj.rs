@@ -35,20 +35,41 @@ pub fn load_obj(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     load_within(path, &Budget::unlimited())
 }
 
-/// Bytes of the text and of what is read from it, for each byte of the file.
-const BYTES_PER_BYTE: u64 = 4;
+/// Bytes of a vertex of the mesh with all attributes, in lists that may be half empty, and of its entry among the known ones.
+const VERTEX: u64 = 2 * (24 + 24 + 16 + 32) + 40;
+
+/// Bytes that a statement adds to the scene and, until that is built, to the lists that it is built from.
+///
+/// A new vertex of the mesh comes with a new position, normal or pair of texture coordinates; files that combine a few of them
+/// in many ways take more.
+fn bytes_of(statement: &str) -> u64 {
+    let mut words = statement.split_whitespace();
+    match words.next() {
+        Some("v") => 24 + 2 * 32 + VERTEX,
+        Some("vn") => 2 * 24 + VERTEX,
+        Some("vt") => 2 * 16 + VERTEX,
+        // A triangle for each corner but two: indices of positions, normals and texture coordinates.
+        Some("f") => (words.count() as u64).saturating_sub(2) * 2 * 36,
+        _ => 0,
+    }
+}
 
 /// As [`load_obj`], within a limit on memory.
 pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), SceneError> {
-    let text = text_of(read_within(path, budget, BYTES_PER_BYTE)?);
+    let text = text_of(read_within(path, budget, 1)?);
     // A line that is joined to the previous one is not a statement of its own here either.
     let is_vertex = |(statement, _): &(Cow<'_, str>, usize)| statement.split_whitespace().next() == Some("v");
     let vertices = statements(&text).filter(is_vertex).count();
+    if budget.left().is_some() {
+        let bytes = statements(&text).map(|(statement, _)| bytes_of(&statement)).sum();
+        budget.take(bytes, || "its vertices and triangles".to_owned()).map_err(|why| why.in_file(path))?;
+    }
     if vertices >= u32::MAX as usize {
         return Err(SceneError::TooMany { what: "vertices", count: vertices });
     }
     let mut reader = Reader {
         path,
+        budget,
         vertices,
         pools: Pools { positions: Vec::with_capacity(vertices), ..Pools::default() },
         library: Library::default(),
@@ -69,6 +90,7 @@ pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder,
 
 struct Reader<'a> {
     path: &'a Path,
+    budget: &'a Budget,
     /// Number of vertices in the whole file: a face may refer to one that comes later.
     vertices: usize,
     pools: Pools,
@@ -120,7 +142,7 @@ impl Reader<'_> {
                 self.material = (!rest.is_empty()).then(|| rest.to_owned());
                 self.group = None;
             }
-            "mtllib" => self.library.open(self.path, rest, &mut self.report)?,
+            "mtllib" => self.library.open(self.path, rest, self.budget, &mut self.report)?,
             "vt" => self.texture_coordinates(rest),
             // Vertex normals say what is smooth.
             "" | "s" => {}

@@ -5,7 +5,7 @@ mod frame;
 
 use self::add::add_light;
 use self::frame::Frame;
-use super::budget::Budget;
+use super::budget::{Budget, LoadOptions};
 use super::light_units::LightUnits;
 use super::schema::{File, Kind, Material};
 use crate::builder::SceneBuilder;
@@ -33,7 +33,16 @@ impl Overrides {
     /// # Errors
     /// A file that cannot be read, or what [`Overrides::parse`] finds.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
-        Self::parse(&super::read_text(path)?, path)
+        Self::read_with(path, &LoadOptions::default())
+    }
+
+    /// As [`Self::read`], with options: a limit on memory.
+    ///
+    /// # Errors
+    /// As [`Self::read`], and [`SceneError::Memory`] for a file that does not fit, before it is read.
+    pub fn read_with(path: &Path, options: &LoadOptions) -> Result<Self, SceneError> {
+        // The text, and the tables that are parsed from it.
+        Self::parse(&super::text_of(super::read_within(path, &Budget::new(options), 16)?), path)
     }
 
     /// Parses the text of an override file; `path` is its name in messages.

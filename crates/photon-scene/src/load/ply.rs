@@ -15,8 +15,10 @@ use glam::DVec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use std::path::Path;
 
-/// Bytes of an element: as it is read, with up to four indices, and in the mesh.
-const ELEMENT: u64 = (size_of::<Element>() + 32 + 128) as u64;
+/// Bytes of an element without its indices: as it is read, and in the mesh.
+const ELEMENT: u64 = (size_of::<Element>() + 128) as u64;
+/// Bytes of an index: as it is read and converted, in lists that may be half empty, and a triangle.
+const INDEX: u64 = 16 + 8 + 24;
 
 /// Reads the vertices and polygons of a PLY file, ASCII or binary of either byte order.
 ///
@@ -50,6 +52,8 @@ pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder,
     let parser = Parser::<Element>::new();
     let mut reader = Reader::new(bytes.as_slice());
     let header = parser.read_header(&mut reader).map_err(damaged)?;
+    let indices = element::most_indices(&header, bytes.len() as u64);
+    budget.take(indices.saturating_mul(INDEX), || "the faces".to_owned()).map_err(|why| why.in_file(path))?;
     for element in header.elements.values() {
         // Each element takes at least a byte, so that more cannot exist: report that at once instead of reading on.
         if element.count > bytes.len() || (element.properties.is_empty() && element.count > 0) {

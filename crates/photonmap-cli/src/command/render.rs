@@ -212,16 +212,18 @@ fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &mut Settings) 
         [device] => Chosen::Vulkan(Box::new(backend::open_device(device)?)),
         _ => backend::open(args.machine.backend, args.machine.threads)?,
     };
+    let besides = memory::besides(args.settings.picture.size);
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
-    Ok(vec![match chosen {
+    let started = match chosen {
         Chosen::Cpu(on) => {
             // It counts the texels, which it shares with the scene: they are resident already.
             let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
-            chosen_pipeline(on, args, scene, view, memory, settings)?
+            chosen_pipeline(on, args, scene, view, memory, settings)
         }
-        Chosen::Vulkan(on) => chosen_pipeline(*on, args, scene, view, memory, settings)?,
-    }])
+        Chosen::Vulkan(on) => chosen_pipeline(*on, args, scene, view, memory, settings),
+    };
+    Ok(vec![started.map_err(|fault| fault.within(args.machine.memory, besides))?])
 }
 
 fn chosen_pipeline<B: TransportBackend>(

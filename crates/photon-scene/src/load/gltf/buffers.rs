@@ -46,6 +46,26 @@ impl<'a> Buffers<'a> {
         self.folder
     }
 
+    /// Bytes that reading all buffers that views refer to would still take, and decoding compressed views.
+    pub(super) fn unread(&self) -> u64 {
+        let mut needed = vec![false; self.loaded.len()];
+        let mut decoded = 0_u64;
+        for (view, known) in self.root.buffer_views.iter().zip(&self.decoded) {
+            let compressed = Compressed::of(view, "").ok().flatten();
+            if let Some(compressed) = compressed.as_ref().filter(|_| known.get().is_none()) {
+                decoded = decoded.saturating_add(compressed.decoded_length());
+            }
+            let buffer = compressed.map_or(view.buffer.value(), |compressed| compressed.buffer);
+            if let Some(needed) = needed.get_mut(buffer) {
+                *needed = true;
+            }
+        }
+        let missing = self.root.buffers.iter().zip(needed).zip(&self.loaded);
+        let missing = missing.filter(|((_, needed), loaded)| *needed && loaded.get().is_none());
+        let length = |uri| uri::length(uri, self.folder).unwrap_or(0);
+        missing.filter_map(|((buffer, _), _)| buffer.uri.as_deref().map(length)).fold(decoded, u64::saturating_add)
+    }
+
     /// The bytes of a buffer view; `user` is named in errors.
     pub(super) fn view(&self, index: usize, user: &str) -> Result<&[u8], Fault> {
         let views = &self.root.buffer_views;

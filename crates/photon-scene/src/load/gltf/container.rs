@@ -21,6 +21,11 @@ pub(super) fn open<'a>(bytes: &'a [u8], report: &mut LoadReport) -> Result<(Root
     Ok((root, bin))
 }
 
+/// The JSON of a file, empty if it cannot be found.
+pub(super) fn json_of(bytes: &[u8]) -> &[u8] {
+    if bytes.starts_with(MAGIC) { split_glb(bytes).map_or(&[], |(json, _)| json) } else { bytes }
+}
+
 /// Splits a GLB into its JSON and its binary chunk (glTF 2.0 specification, section 4.4).
 ///
 /// Not the parser's own splitter: that subtracts before it compares, so that a length below 12

@@ -7,10 +7,11 @@ use photon_core::TexelFormat;
 
 use super::fault::{Fault, name_or_number};
 use super::parameters;
+use super::reserve;
 use super::texture::{Textures, floats_of};
 use super::uri;
 use crate::builder::SceneBuilder;
-use crate::load::image::{Header, Plan, Wanted};
+use crate::load::image::{Header, ImageError, Plan, Wanted};
 use crate::report::LoadReport;
 
 /// The images that materials use, by number.
@@ -73,43 +74,49 @@ pub(super) fn plan(textures: &mut Textures<'_>) -> Result<(), Fault> {
         parameters::read(root, index, textures, &subject, &mut builder, &mut report)?;
     }
     let uses = textures.survey.take().map(|survey| survey.images.into_inner()).unwrap_or_default();
-    let (mut wanted, mut planned) = (Vec::new(), BTreeMap::new());
+    let (mut wanted, mut planned, mut refused) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
     for (image, uses) in uses {
-        if let Some((header, file)) = header(textures, image)? {
-            planned.insert(image, wanted.len());
-            let copies = uses.encodings.len() as u64;
-            wanted.push(Wanted { header, file, copies, made: uses.made, users: uses.users });
+        match header(textures, image)? {
+            None => {}
+            Some(Err(why)) => drop(refused.insert(image, why)),
+            Some(Ok((header, file))) => {
+                planned.insert(image, wanted.len());
+                let encodings = uses.encodings.len() as u64;
+                wanted.push(Wanted { header, file, encodings, copies: 0, made: uses.made, users: uses.users });
+            }
         }
     }
-    textures.follow(Plan::new(wanted, budget)?, planned);
+    let geometry = reserve::geometry(root, textures.buffers());
+    textures.follow(Plan::new(wanted, geometry, budget)?, planned, refused);
     Ok(())
 }
 
-/// Header of an image, and the bytes of its file that are in memory while it is decoded. `None` for one that cannot be read:
-/// the material that uses it reports that.
-fn header(textures: &Textures<'_>, index: usize) -> Result<Option<(Header, u64)>, Fault> {
+/// Header of an image, and the bytes of its file that are in memory while it is decoded, or why it has none. `None` for an
+/// image that is not there: the material that uses it reports that.
+fn header(textures: &Textures<'_>, index: usize) -> Result<Option<Result<(Header, u64), ImageError>>, Fault> {
     let (image, buffers) = (&textures.root().images[index], textures.buffers());
     let left = buffers.budget().left().unwrap_or(u64::MAX);
     let found = match (&image.uri, image.buffer_view) {
         (Some(uri), _) if uri.starts_with("data:") => {
             buffers.budget().check(uri.len() as u64, || format!("the data URI of image {index}"))?;
             let bytes = uri::read(uri, buffers.folder()).ok();
-            bytes.and_then(|bytes| Some((Header::read(&bytes, bytes.len() as u64).ok()?, bytes.len() as u64)))
+            let length = |bytes: &Vec<u8>| bytes.len() as u64;
+            bytes.map(|bytes| Ok((Header::read(&bytes, length(&bytes))?, length(&bytes))))
         }
         (Some(uri), _) => uri::path(uri, buffers.folder()).ok().and_then(|path| Header::of_file(&path, left)),
         (None, Some(view)) => {
             let bytes = unless_short(buffers.view(view.value(), &format!("image {index}")))?;
-            bytes.and_then(|bytes| Header::read(bytes, bytes.len() as u64).ok()).map(|header| (header, 0))
+            bytes.map(|bytes| Ok((Header::read(bytes, bytes.len() as u64)?, 0)))
         }
         (None, None) => None,
     };
-    let Some((header, file)) = found else { return Ok(None) };
+    let Some(Ok((header, file))) = found else { return Ok(found) };
     if let Some(view) = floats_of(image) {
         // The floats are compared with the whole image first.
         unless_short(buffers.view(view, "an image"))?;
-        return Ok(Some((header.with_floats(), file)));
+        return Ok(Some(Ok((header.with_floats(), file))));
     }
-    Ok(Some((header, file)))
+    Ok(Some(Ok((header, file))))
 }
 
 /// Only a lack of memory is an error.

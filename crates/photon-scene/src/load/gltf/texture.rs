@@ -16,7 +16,7 @@ use super::survey::Survey;
 use super::uri;
 use crate::builder::SceneBuilder;
 use crate::extras::{self, ImageExtras, agreeing_floats};
-use crate::load::image::{Halving, Image, Plan, Room};
+use crate::load::image::{Halving, Image, ImageError, Plan, Room};
 use crate::report::LoadReport;
 use crate::texture::{TextureDesc, TextureId};
 
@@ -34,6 +34,8 @@ pub(super) struct Textures<'a> {
     plan: Plan,
     /// The place in the plan of each image that materials use.
     planned: BTreeMap<usize, usize>,
+    /// Images that are not decoded under a limit on memory, and why.
+    refused: BTreeMap<usize, ImageError>,
     /// Set while only the uses of images are recorded.
     pub(super) survey: Option<Survey>,
 }
@@ -66,6 +68,7 @@ impl<'a> Textures<'a> {
             room: RefCell::default(),
             plan: Plan::default(),
             planned: BTreeMap::new(),
+            refused: BTreeMap::new(),
             survey: None,
         }
     }
@@ -78,9 +81,10 @@ impl<'a> Textures<'a> {
         self.buffers
     }
 
-    /// Halves images as `plan` says; `planned` has the place of each image in it.
-    pub(super) fn follow(&mut self, plan: Plan, planned: BTreeMap<usize, usize>) {
-        (self.plan, self.planned) = (plan, planned);
+    /// Halves images as `plan` says, and does not decode those that are refused; `planned` has the place of each image in
+    /// the plan.
+    pub(super) fn follow(&mut self, plan: Plan, planned: BTreeMap<usize, usize>, refused: BTreeMap<usize, ImageError>) {
+        (self.plan, self.planned, self.refused) = (plan, planned, refused);
     }
 
     /// Name of a texture in messages: its number, and its own name or that of its image.
@@ -222,7 +226,7 @@ impl<'a> Textures<'a> {
         Ok(id)
     }
 
-    /// Says in the report what was reduced for want of memory.
+    /// Says in the report what was reduced to fit into memory.
     pub(super) fn report(&self, builder: &SceneBuilder, report: &mut LoadReport) {
         self.plan.report(report);
         self.room.borrow().report(builder, report);
@@ -313,6 +317,7 @@ impl<'a> Textures<'a> {
         let has_floats = floats_of(image).is_some();
         let halving = planned.filter(|_| !has_floats);
         let decoded = match (&image.uri, image.buffer_view) {
+            _ if self.refused.contains_key(&index) => Err(self.refused[&index].clone()),
             (Some(uri), _) => {
                 let bytes =
                     uri::read(uri, self.buffers.folder()).map_err(|(why, hint)| format!("its image {why}; {hint}"))?;

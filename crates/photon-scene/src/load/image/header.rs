@@ -6,9 +6,12 @@ use std::path::Path;
 
 use super::halve::halved;
 use super::{Format, ImageError, exr, hdr, jpeg, not_read, png, webp};
+use crate::error::bytes_text;
 
 /// So many bytes at the start of a file usually hold its header.
 const START: u64 = 64 << 10;
+/// A header that does not end within so many bytes, of previews and colour profiles, is not looked for.
+const MOST: u64 = 16 << 20;
 
 /// The size of an image, and what decoding it takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,22 +39,28 @@ impl Header {
         }
     }
 
-    /// Reads the header of a file, and its length; of most files only the first [`START`] bytes are read. `None` for files
-    /// that cannot be read, or not as an image. `most` is the largest length that may be read.
-    pub(in crate::load) fn of_file(path: &Path, most: u64) -> Option<(Self, u64)> {
+    /// Reads the header of a file, and its length; of most files only the first [`START`] bytes are read, of none more than
+    /// [`MOST`] or `left`. `None` for a file that cannot be opened; an error, its reason, for one that is no image, or whose
+    /// header is too far from its start.
+    pub(in crate::load) fn of_file(path: &Path, left: u64) -> Option<Result<(Self, u64), ImageError>> {
         let length = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?.len();
         let mut file = File::open(path).ok()?;
         let mut start = Vec::new();
-        file.by_ref().take(START.min(most)).read_to_end(&mut start).ok()?;
-        let header = Self::read(&start, length).or_else(|why| {
-            if length <= START || length > most {
-                return Err(why);
-            }
-            // An image with more than that before its header.
-            file.read_to_end(&mut start).map_err(|error| ImageError::new(error.to_string()))?;
-            Self::read(&start, length)
-        });
-        header.ok().map(|header| (header, length))
+        file.by_ref().take(START.min(left)).read_to_end(&mut start).ok()?;
+        let mut header = Self::read(&start, length);
+        let is_image = !matches!(Format::of(&start), Format::Other(_));
+        // An image with more than that before its header.
+        let most = MOST.min(left).min(length);
+        if header.is_err() && is_image && most > start.len() as u64 {
+            start.reserve_exact(most as usize - start.len());
+            file.take(most - start.len() as u64).read_to_end(&mut start).ok()?;
+            header = Self::read(&start, length);
+        }
+        if header.is_err() && is_image && length > most {
+            let why = format!("has no header within its first {}, and memory is limited", bytes_text(most));
+            return Some(Err(ImageError::new(why)));
+        }
+        Some(header.map(|header| (header, length)))
     }
 
     /// Bytes of a whole image of floats while its texels are put together.

@@ -39,7 +39,8 @@ fn open(file: &[u8], length: u64) -> Result<Opened<'_>, ImageError> {
 
 pub(super) fn header(file: &[u8], length: u64) -> Result<Header, ImageError> {
     let (_, size) = open(file, length)?;
-    let texels = u64::from(size[0]) * u64::from(size[1]);
+    // It decodes whole blocks of up to 32 × 32 texels.
+    let texels: u64 = size.iter().map(|&side| u64::from(side).next_multiple_of(32)).product();
     Ok(Header { size, words: 1, decoding: texels * DECODING + OVERHEAD, is_by_rows: true })
 }
 

@@ -148,21 +148,31 @@ pub fn load_image(path: &Path) -> Result<Image, SceneError> {
     load_image_halved(path, None)
 }
 
-/// Bytes that reading an image and its colours as three floats takes, if there is a limit and the header can be read.
-pub(crate) fn image_bytes(path: &Path, budget: &Budget) -> Option<u64> {
-    let (header, file) = Header::of_file(path, budget.left()?)?;
+/// Bytes that reading an image and its colours as three floats takes, if there is a limit; `None` also for a file that cannot
+/// be opened.
+///
+/// # Errors
+/// An image whose header cannot be read.
+pub(crate) fn image_bytes(path: &Path, budget: &Budget) -> Result<Option<u64>, SceneError> {
+    let Some(found) = budget.left().and_then(|left| Header::of_file(path, left)) else { return Ok(None) };
+    let (header, file) = found.map_err(|why| of_file(path, &why))?;
     let colors = 12 * u64::from(header.size[0]) * u64::from(header.size[1]);
-    Some(file + header.decoding(0) + header.bytes(0) + colors)
+    Ok(Some(file + header.decoding(0) + header.bytes(0) + colors))
 }
 
 /// As [`load_image`], reduced.
 pub(super) fn load_image_halved(path: &Path, halving: Option<Halving>) -> Result<Image, SceneError> {
-    Image::decode_halved(&super::read(path)?, halving).map_err(|why| SceneError::Content {
+    Image::decode_halved(&super::read(path)?, halving).map_err(|why| of_file(path, &why))
+}
+
+/// The error of the file at `path`.
+fn of_file(path: &Path, why: &ImageError) -> SceneError {
+    SceneError::Content {
         path: path.to_owned(),
         line: None,
         what: format!("the image {why}"),
         hint: "convert it, or export it again".to_owned(),
-    })
+    }
 }
 
 /// The format of a file by its first bytes.

@@ -1,14 +1,15 @@
 //! Images that MTL files refer to.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use photon_core::{TexelFormat, Texture};
 
 use super::map::Map;
+use super::survey::Survey;
 use crate::builder::SceneBuilder;
 use crate::load::gltf::leaves_folder;
-use crate::load::image::{Halving, Image, Plan, Room, load_image_halved};
+use crate::load::image::{Halving, Image, Room, load_image_halved};
 use crate::report::LoadReport;
 use crate::shading::uniform_alpha;
 use crate::texture::{TextureDesc, TextureId, TextureRef};
@@ -16,7 +17,8 @@ use crate::texture::{TextureDesc, TextureId, TextureRef};
 /// The images of all materials, each decoded once.
 #[derive(Default)]
 pub(super) struct Images {
-    /// By path, and whether its bytes are numbers, not colours, if it is halved: then the means differ.
+    /// By path, and whether its bytes are numbers, not colours. They are decoded separately only when halved, since averaging
+    /// depends on the encoding.
     decoded: HashMap<(PathBuf, bool), Result<Image, String>>,
     added: HashMap<(PathBuf, bool, bool), TextureId>,
     /// Those of metal and roughness, by the paths of `map_Pr` and `map_Pm`, and whether they are clamped.
@@ -24,15 +26,13 @@ pub(super) struct Images {
     /// Images that became alpha, by path and whether they are clamped.
     alphas: HashMap<(PathBuf, bool), TextureId>,
     pub(super) room: Room,
-    /// How often images are halved, and the place of each path in it.
-    pub(super) plan: Plan,
-    planned: BTreeMap<PathBuf, usize>,
+    pub(super) survey: Survey,
 }
 
 impl Images {
-    /// None yet; they are halved as `plan` says, in which `planned` has the place of each path.
-    pub(super) fn new((plan, planned): (Plan, BTreeMap<PathBuf, usize>)) -> Self {
-        Self { plan, planned, ..Self::default() }
+    /// None yet; they are halved or refused as `survey` says.
+    pub(super) fn new(survey: Survey) -> Self {
+        Self { survey, ..Self::default() }
     }
 
     /// Adds the texture of a statement of the material `subject` to the scene; `None`, reported, if there is none.
@@ -120,11 +120,14 @@ impl Images {
         if leaves_folder(name) {
             return Err("it is outside the folder of the scene; put it into that folder or below it".to_owned());
         }
-        let times = self.planned.get(path).map(|&place| self.plan.times(place));
+        let times = self.survey.planned.get(path).map(|&place| self.survey.plan.times(place));
         let differs = bytes == TexelFormat::Linear8 && times.is_some_and(|times| times > 0);
         let decoded = self.decoded.entry((path.to_owned(), differs)).or_insert_with(|| {
             if !path.is_file() {
                 return Err("the file does not exist; put it where the scene expects it".to_owned());
+            }
+            if let Some(why) = self.survey.refused.get(path) {
+                return Err(format!("{}: the image {why}", path.display()));
             }
             let halving = times.map(|times| Halving { times, bytes });
             load_image_halved(path, halving).map_err(|error| error.to_string())

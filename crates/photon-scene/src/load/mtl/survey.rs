@@ -9,7 +9,7 @@ use super::map::Map;
 use super::{Entry, Library};
 use crate::load::budget::{Budget, Shortage};
 use crate::load::gltf::leaves_folder;
-use crate::load::image::{Header, Plan, Wanted};
+use crate::load::image::{Header, ImageError, Plan, Wanted};
 
 /// The uses of an image.
 #[derive(Default)]
@@ -24,22 +24,41 @@ struct Uses {
     users: Vec<(String, String)>,
 }
 
-/// Plans the sizes of all images if memory is limited; returns the place of each path in the plan.
-pub(super) fn plan(library: &Library, budget: &Budget) -> Result<(Plan, BTreeMap<PathBuf, usize>), Shortage> {
-    let Some(left) = budget.left() else { return Ok((Plan::default(), BTreeMap::new())) };
+/// What was found of the images.
+#[derive(Default)]
+pub(super) struct Survey {
+    /// How often images are halved.
+    pub(super) plan: Plan,
+    /// The place of each path in it.
+    pub(super) planned: BTreeMap<PathBuf, usize>,
+    /// Images that are not decoded under a limit on memory, and why.
+    pub(super) refused: BTreeMap<PathBuf, ImageError>,
+}
+
+/// Plans the sizes of all images if memory is limited.
+pub(super) fn plan(library: &Library, budget: &Budget) -> Result<Survey, Shortage> {
+    let Some(left) = budget.left() else { return Ok(Survey::default()) };
     let mut images: BTreeMap<PathBuf, Uses> = BTreeMap::new();
     for material in &library.entries {
         record(material, &mut images);
     }
-    let (mut wanted, mut planned) = (Vec::new(), BTreeMap::new());
+    let (mut wanted, mut planned, mut refused) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
     for (path, uses) in images {
-        // One that cannot be read is reported by the material that uses it.
-        let Some((header, file)) = Header::of_file(&path, left) else { continue };
+        // One that does not exist is reported by the material that uses it.
+        let (header, file) = match Header::of_file(&path, left) {
+            None => continue,
+            Some(Ok(found)) => found,
+            Some(Err(why)) => {
+                refused.insert(path, why);
+                continue;
+            }
+        };
         planned.insert(path, wanted.len());
-        let copies = (uses.encodings.len() + uses.alphas.len()) as u64;
-        wanted.push(Wanted { header, file, copies, made: uses.combined.len() as u64, users: uses.users });
+        let [encodings, copies, made] =
+            [uses.encodings.len(), uses.alphas.len(), uses.combined.len()].map(|count| count as u64);
+        wanted.push(Wanted { header, file, encodings, copies, made, users: uses.users });
     }
-    Ok((Plan::new(wanted, budget)?, planned))
+    Ok(Survey { plan: Plan::new(wanted, 0, budget)?, planned, refused })
 }
 
 fn record(material: &Entry, images: &mut BTreeMap<PathBuf, Uses>) {

@@ -1,6 +1,6 @@
 //! The properties of PLY elements that are used.
 
-use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::{Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 
 use crate::color::srgb_to_linear;
 
@@ -43,6 +43,31 @@ impl Place {
             _ => return None,
         })
     }
+}
+
+/// Upper bound on the numbers in all lists of a file of `length` bytes.
+pub(super) fn most_indices(header: &Header, length: u64) -> u64 {
+    // A number of a text takes a digit and a space.
+    let bytes = |kind: &ScalarType| match kind {
+        _ if header.encoding == Encoding::Ascii => 2,
+        ScalarType::Char | ScalarType::UChar => 1,
+        ScalarType::Short | ScalarType::UShort => 2,
+        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+        ScalarType::Double => 8,
+    };
+    let (mut rest, mut least) = (length, None);
+    for element in header.elements.values() {
+        for property in element.properties.values() {
+            // All that each element takes at least, a list without its numbers.
+            let (alone, number) = match &property.data_type {
+                PropertyType::Scalar(kind) => (bytes(kind), None),
+                PropertyType::List(count, kind) => (bytes(count), Some(bytes(kind))),
+            };
+            rest = rest.saturating_sub((element.count as u64).saturating_mul(alone));
+            least = least.into_iter().chain(number).min();
+        }
+    }
+    least.map_or(0, |least| rest / least)
 }
 
 /// Whether the vertices of a file have all properties of a group; each is a list of alternatives.

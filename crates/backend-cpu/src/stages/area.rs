@@ -107,8 +107,8 @@ impl Disc<'_> {
         for &triangle in near {
             match disc.place(scene.vertices[triangle as usize]) {
                 Place::Apart => {}
-                // Of two in the same place, the rays decide.
-                Place::Holds if holder.is_none() => holder = Some(triangle),
+                // Of two in the same place, the rays decide. A caster may report one twice.
+                Place::Holds if holder.is_none_or(|known| known == triangle) => holder = Some(triangle),
                 Place::Holds | Place::Other => return false,
             }
         }

@@ -11,7 +11,7 @@ use super::reserve;
 use super::texture::{Textures, floats_of};
 use super::uri;
 use crate::builder::SceneBuilder;
-use crate::load::image::{Header, ImageError, Plan, Wanted};
+use crate::load::image::{Found, Header, Plan, Wanted};
 use crate::report::LoadReport;
 
 /// The images that materials use, by number.
@@ -93,7 +93,7 @@ pub(super) fn plan(textures: &mut Textures<'_>) -> Result<(), Fault> {
 
 /// Header of an image, and the bytes of its file that are in memory while it is decoded, or why it has none. `None` for an
 /// image that is not there: the material that uses it reports that.
-fn header(textures: &Textures<'_>, index: usize) -> Result<Option<Result<(Header, u64), ImageError>>, Fault> {
+fn header(textures: &Textures<'_>, index: usize) -> Result<Option<Found>, Fault> {
     let (image, buffers) = (&textures.root().images[index], textures.buffers());
     let left = buffers.budget().left().unwrap_or(u64::MAX);
     let found = match (&image.uri, image.buffer_view) {

@@ -13,6 +13,9 @@ const START: u64 = 64 << 10;
 /// A header that does not end within so many bytes, of previews and colour profiles, is not looked for.
 const MOST: u64 = 16 << 20;
 
+/// What is known of an image's file: the header and the length in bytes, or why it has no header.
+pub(in crate::load) type Found = Result<(Header, u64), ImageError>;
+
 /// The size of an image, and what decoding it takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::load) struct Header {
@@ -42,7 +45,7 @@ impl Header {
     /// Reads the header of a file, and its length; of most files only the first [`START`] bytes are read, of none more than
     /// [`MOST`] or `left`. `None` for a file that cannot be opened; an error, its reason, for one that is no image, or whose
     /// header is too far from its start.
-    pub(in crate::load) fn of_file(path: &Path, left: u64) -> Option<Result<(Self, u64), ImageError>> {
+    pub(in crate::load) fn of_file(path: &Path, left: u64) -> Option<Found> {
         let length = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?.len();
         let mut file = File::open(path).ok()?;
         let mut start = Vec::new();

@@ -21,7 +21,7 @@ mod room;
 mod webp;
 
 pub(super) use self::halve::Halving;
-pub(super) use self::header::Header;
+pub(super) use self::header::{Found, Header};
 pub(super) use self::plan::{Plan, Wanted};
 pub(super) use self::room::Room;
 

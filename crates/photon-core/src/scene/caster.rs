@@ -93,7 +93,7 @@ pub trait RayCaster: Send + Sync {
     }
 
     /// The primitive indices of the triangles that may overlap the box from `low` to `high`, corners in normalised space as
-    /// those of [`SceneView::vertices`], in any order; they are written to `room`, and returned. `None`, the default, if that
+    /// the positions of the scene view, in any order; they are written to `room`, and returned. `None`, the default, if that
     /// is unknown or there are more than fit; what `room` contains then does not matter.
     ///
     /// The box is closed: a triangle that touches it overlaps it. All that overlap it are reported, each once; others may be.

@@ -44,7 +44,7 @@ class Model(Meshes):
         extension = {"KHR_lights_punctual": {"light": len(self.lights) - 1}}
         self.roots.append(self.append("nodes", {"matrix": frame.T.ravel().tolist(), "extensions": extension}))
         self.used.add("KHR_lights_punctual")
-        self.described.append(str(kind))
+        self.choices.uses(f"{kind} light")
 
     def add_camera(self, size, eye, target, up, fov, half_height):
         mi, (width, height) = self.mi, size

@@ -11,7 +11,7 @@ class Materials(random_scenes.Scene):
 
     def __init__(self, mi, choices):
         super().__init__(mi, None)
-        self.choices, self.roots, self.described = choices, [], []
+        self.choices, self.roots = choices, []
         self.ours |= {"cameras": []}
         self.lights, self.is_absorbing, self.used = [], False, {"KHR_materials_specular"}
 
@@ -23,7 +23,8 @@ class Materials(random_scenes.Scene):
         """
         rng, has = self.choices.rng(2, number, which), self.choices.has
         wrap = rng.choice([gltf_texture.REPEAT, gltf_texture.CLAMP, gltf_texture.MIRROR], 2).tolist()
-        wrap = wrap if has("wraps", number) else [gltf_texture.REPEAT] * 2
+        # Asked last: a wrap that is drawn may be the ordinary one.
+        wrap = wrap if wrap != [gltf_texture.REPEAT] * 2 and has("wraps", number) else [gltf_texture.REPEAT] * 2
         nearest = bool(rng.random() < 0.3)
         sampler = {"magFilter": 9728 if nearest else 9729, "wrapS": wrap[0], "wrapT": wrap[1]}
         source = self.append("images", {"bufferView": self.view(random_scenes.png(texels)), "mimeType": "image/png"})
@@ -60,15 +61,21 @@ class Materials(random_scenes.Scene):
         glow, slopes, normal_scale = rng.integers(20, 256, (4, 4, 3)), rng.uniform(-0.3, 0.3, (8, 8, 2)), rng.uniform(0.5, 1.2)
         pbr, material = {"metallicFactor": 0.0}, {"extensions": extensions}
         material["pbrMetallicRoughness"] = pbr
-        mode = next((name for name in ("mask", "blend") if has(name, number)), None) if kind == "sheet" else None
+        mode = self.choices.first(("mask", "blend"), number) if kind == "sheet" else None
         alpha = float(alpha) if mode else 1.0
         pbr["baseColorFactor"] = [*color, alpha]
         is_covered_light = mode is not None and emission is not None
-        colors, base = has("vertex-colors", number) and not is_covered_light, None
+        colors, base = not is_covered_light and has("vertex-colors", number), None
         if kind in ("glass", "thin"):
-            if not has("tint", number):
+            is_tinted = has("tint", number)
+            if not is_tinted:
                 color = [1.0, 1.0, 1.0]
-            distance = float(rng.uniform(0.3, 1)) if kind == "glass" and has("absorption", number) else None
+            distance = None
+            if kind == "glass" and self.choices.would_have("absorption", number):
+                distance = float(rng.uniform(0.3, 1))
+                # White does not absorb.
+                if is_tinted:
+                    self.choices.uses("absorption", number)
             return self.glass(kind, color, ior, distance, colors)
         if has("base-texture", number):
             info, base = self.image(number, 0, texels, True, is_covered_light)

@@ -4,13 +4,14 @@ import numpy as np
 
 import random_scenes
 from model_materials import Materials
-from random_choices import FEATURES, LIGHT
+from random_choices import LIGHT
 
 
 class Meshes(Materials):
     def mesh(self, number, shape, kind, smooth, emission=None):
         """A mesh of glTF, with what `place` needs for each of its instances."""
-        rng, has = self.choices.rng(4, number), self.choices.has
+        rng = self.choices.rng(4, number)
+        self.choices.uses(kind, number)
         index, bsdf, radiance, colors = self.material(number, kind, emission)
         positions, normals, uvs, triangles = shape
         uvs = uvs * rng.uniform(0.7, 2.2, 2) + rng.uniform(-1, 1, 2)
@@ -26,9 +27,12 @@ class Meshes(Materials):
         if colors:
             attributes["COLOR_0"] = self.accessor(tints.astype(np.float32), "VEC4", 5126)
         is_faceted = bool((normals[triangles] == normals[triangles[:, :1]]).all())
-        if smooth or (is_faceted and has("tangents", number)):
+        has_tangents = self.choices.would_have("tangents", number)
+        if smooth or (is_faceted and has_tangents):
+            self.choices.uses("normals", number)
             attributes["NORMAL"] = self.accessor(normals.astype(np.float32), "VEC3", 5126)
-        if "normalTexture" in material and has("tangents", number):
+        if "normalTexture" in material and has_tangents:
+            self.choices.uses("tangents", number)
             tangents = np.zeros((len(positions), 4), np.float32)
             for triangle in triangles:
                 along, up = directions(positions[triangle], uvs[triangle])
@@ -39,8 +43,6 @@ class Meshes(Materials):
         indices = self.accessor(triangles.astype(np.uint32).ravel(), "SCALAR", 5125)
         primitive = {"attributes": attributes, "indices": indices, "material": index}
         mesh = self.append("meshes", {"primitives": [primitive]})
-        described = [kind] + (["smooth"] if smooth else []) + [name for name in FEATURES if has(name, number)]
-        self.described.append(f"{number}: {' '.join(described)}")
         return mesh, (positions, normals, uvs, second, tints, triangles), bsdf, radiance, smooth
 
     def place(self, number, made, scale, turn, translation):

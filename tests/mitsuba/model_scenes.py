@@ -12,6 +12,9 @@ def make(mi, seed, folder, without):
     """The scene in scene.gltf and environment.exr; the same for Mitsuba, its size, our options, and its description."""
     choices = Choices(seed, without)
     rng, on, scene, options = choices.rng(7), choices.on, Model(mi, choices), ["--max-plane-distance", "0.1"]
+    # Of the scene as a whole; "instance", "camera-in-glass" and the units are noted where they have an effect.
+    for name in on & {"room", "lights", "wide", "tall", "roll", "orthographic", "gather", "scattered-environment"}:
+        choices.uses(name)
     is_room = "room" in on
     size = (80, 48) if "wide" in on else (48, 80) if "tall" in on else (56, 56)
     for number, (at, axis, angle) in enumerate(WALLS if is_room else WALLS[:1]):
@@ -47,16 +50,20 @@ def make(mi, seed, folder, without):
         if choices.has("mirrored", number):
             scale *= [[-1, 1, 1], [1, -1, 1], [-1, -1, -1]][own.integers(3)]
         shape = {"box": box, "sphere": sphere, "sheet": quad}[name]()
-        kind, emission, smooth = str(name), None, bool(name == "sphere" and choices.has("smooth", number))
-        if number == 21 and choices.has("emitter", number):
-            emission = own.uniform(0.5, 3, 3).tolist()
-        elif name != "sheet" and choices.has("glass", number):
-            kind = "glass"
-        elif name == "sheet" and choices.has("thin", number):
-            kind = "thin"
-        made = made if again else scene.mesh(number, shape, kind, smooth, emission)
+        kind, emission = str(name), None
+        if again:
+            choices.uses("instance", number)
+        else:
+            smooth = bool(name == "sphere" and choices.has("smooth", number))
+            if number == 21 and choices.has("emitter", number):
+                emission = own.uniform(0.5, 3, 3).tolist()
+            elif name != "sheet" and choices.has("glass", number):
+                kind = "glass"
+            elif name == "sheet" and choices.has("thin", number):
+                kind = "thin"
+            made = scene.mesh(number, shape, kind, smooth, emission)
         scene.place(number, made, scale, turn / np.linalg.norm(turn), [x, height, z])
-        if kind == "glass" and choices.has("light-in-glass", number) and not again:
+        if kind == "glass" and choices.has("light-in-glass", number):
             inner = scene.mesh(number + 10, box(), "box", False, own.uniform(2, 6, 3).tolist())
             scene.place(number + 10, inner, [0.1, 0.1, 0.1], quaternion([0, 1, 0], 0.3), [x, height, z])
     if is_room:
@@ -64,13 +71,18 @@ def make(mi, seed, folder, without):
     else:
         eye, target, fov, half = [rng.uniform(-3, 3), rng.uniform(2.5, 5), 6.0], [0.0, 0.8, 0.0], 32.0, 1.8
     up = [0.3, 1.0, 0.2] if "roll" in on else [0, 1, 0]
-    if "camera-in-glass" in on and "orthographic" not in on:
+    if "camera-in-glass" in on:
+        choices.uses("camera-in-glass")
         around = scene.mesh(40, sphere(), "glass", False)
         scene.place(40, around, [0.12, 0.12, 0.12], quaternion([0, 1, 0], 0.5), eye)
     scene.add_camera(size, eye, target, up, fov, half)
     scene.write(folder / "scene.gltf")
-    options += ["--light-units", "standard"] if "standard-units" in on else []
+    if "standard-units" in on:
+        options += ["--light-units", "standard"]
+        # Radiances of area lights and environments are the same in both units.
+        if "lights" in on:
+            choices.uses("standard-units")
     options += ["--indirect", "gather"] if "gather" in on else []
     volumes = scene.is_absorbing or ("lights" in on and on & {"mask", "blend"})
-    integrator, described = "volpath" if volumes else "path", [" ".join(sorted(on)), *scene.described]
-    return mi.load_dict(scene.theirs, parallel=False), integrator, size, options, described
+    integrator = "volpath" if volumes else "path"
+    return mi.load_dict(scene.theirs, parallel=False), integrator, size, options, choices.described()

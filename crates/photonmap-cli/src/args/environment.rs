@@ -41,7 +41,8 @@ pub struct EnvironmentArgs {
     /// Name of a material or mesh whose triangles fill openings, such as windows, through which the light of the environment
     /// enters: its photons start there more often. May be repeated.
     ///
-    /// This affects noise alone, wherever portals are; in a room with small windows there is much less.
+    /// Wherever portals are, the same light enters on average; in a room with small windows there is much less noise. Radii
+    /// of estimates follow the photons, so that their bias changes: where photons are few, the mean by 1.7 % in one room.
     #[arg(long = "portal", value_name = "NAME", hide_short_help = true)]
     pub portals: Vec<String>,
 }

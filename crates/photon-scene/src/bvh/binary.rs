@@ -94,6 +94,13 @@ impl Padded {
         }
         padded
     }
+
+    /// The bits of all bounds.
+    fn key(&self) -> [u32; 6] {
+        let [x, y, z] = self.low.map(f32::to_bits);
+        let [u, v, w] = self.high.map(f32::to_bits);
+        [x, y, z, u, v, w]
+    }
 }
 
 impl Boundable for Padded {
@@ -136,17 +143,27 @@ fn binary(tree: &Bvh2) -> Vec<Binary> {
         .collect()
 }
 
+/// Whether [`TWINS`] boxes are identical. Identical boxes have the same hash, so that boxes are sorted only if that many
+/// of them share one.
 fn has_twins(boxes: &[Padded]) -> bool {
-    let mut keys: Vec<[u32; 6]> = boxes
-        .iter()
-        .map(|b| {
-            let [x, y, z] = b.low.map(f32::to_bits);
-            let [u, v, w] = b.high.map(f32::to_bits);
-            [x, y, z, u, v, w]
-        })
-        .collect();
-    keys.sort_unstable();
-    keys.windows(TWINS).any(|run| run[0] == run[TWINS - 1])
+    let bits = boxes.len().max(1).ilog2() + 1;
+    is_crowded(boxes, bits) && {
+        let mut keys: Vec<[u32; 6]> = boxes.iter().map(Padded::key).collect();
+        keys.sort_unstable();
+        keys.windows(TWINS).any(|run| run[0] == run[TWINS - 1])
+    }
+}
+
+/// Whether the hashes of [`TWINS`] boxes have the same first `bits` ≥ 1 bits.
+fn is_crowded(boxes: &[Padded], bits: u32) -> bool {
+    let mut counts = vec![0_u8; 1 << bits];
+    boxes.iter().any(|padded| {
+        // The multiplicative hash of the Rust compiler; its high bits depend on all bits of the key.
+        let mix = |hash: u64, word: u32| (hash.rotate_left(5) ^ u64::from(word)).wrapping_mul(0x517c_c1b7_2722_0a95);
+        let count = &mut counts[(padded.key().into_iter().fold(0, mix) >> (64 - bits)) as usize];
+        *count += 1;
+        usize::from(*count) == TWINS
+    })
 }
 
 /// Splits at the median of the widest axis: the depth is at most the logarithm of the count.
@@ -182,3 +199,6 @@ pub(crate) fn balanced(boxes: &[Padded], leaf: usize) -> Arranged {
     }
     (nodes, order)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,8 +1,10 @@
 //! `TransportBackend` for Vulkan: all stages of a pass.
 
+use std::time::Instant;
+
 use photon_core::{
-    AimedStages, Area, Backend, GlossCaustics, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stages,
-    TransportBackend,
+    AimedStages, Area, Backend, GlossCaustics, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stage,
+    Stages, TransportBackend,
 };
 
 use crate::device::buffer::VulkanBuffer;
@@ -27,7 +29,11 @@ impl TransportBackend for Vulkan {
     }
 
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<VulkanScene> {
-        VulkanScene::new(self, scene, required)
+        // The tree is built on the host, which timestamps of the device do not show.
+        let start = Instant::now();
+        let scene = VulkanScene::new(self, scene, required)?;
+        self.profile.add(Stage::Prepare, start.elapsed().as_secs_f64());
+        Ok(scene)
     }
 
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {

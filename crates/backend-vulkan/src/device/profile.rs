@@ -56,6 +56,11 @@ impl Profile {
         Ok(())
     }
 
+    /// Adds time that the host spent on a stage.
+    pub(crate) fn add(&mut self, stage: Stage, seconds: f64) {
+        self.sums.add(stage, seconds);
+    }
+
     /// Seconds per stage since the last call.
     pub(crate) fn take(&mut self, recorder: &mut Recorder) -> Result<StageTimings> {
         self.mark(recorder, None)?;

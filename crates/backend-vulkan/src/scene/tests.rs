@@ -3,7 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{philox4x32, unit_f32};
 use photon_core::{
-    Hit, Material, Medium, Primitive, Ray, RayCaster, Requirements, SceneView, Settings, Units, sampling,
+    Backend, Hit, Material, Medium, Primitive, Ray, RayCaster, Requirements, Result, SceneView, Settings, Stage,
+    TransportBackend, Units, sampling,
 };
 use photon_scene::{Accel, BruteForce};
 
@@ -20,7 +21,11 @@ fn numbers(index: u32, block: u32) -> [f32; 4] {
 }
 
 /// Uploads triangles, all of one material.
-fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
+fn prepare(on: &mut Vulkan, mesh: &Mesh) -> VulkanScene {
+    prepare_by(mesh, |view, required| VulkanScene::new(on, view, required))
+}
+
+fn prepare_by<T>((positions, triangles): &Mesh, by: impl FnOnce(&SceneView<'_>, &Requirements) -> Result<T>) -> T {
     let primitives = vec![Primitive { normal: [0.0, 0.0, 1.0], material: 0 }; triangles.len()];
     let materials = [Material { albedo: [0.5; 3], ..Material::default() }];
     let view = SceneView {
@@ -35,7 +40,7 @@ fn prepare(on: &mut Vulkan, (positions, triangles): &Mesh) -> VulkanScene {
         units: Units::default(),
         ..SceneView::default()
     };
-    VulkanScene::new(on, &view, &Requirements::everything(&Settings::default())).unwrap()
+    by(&view, &Requirements::everything(&Settings::default())).unwrap()
 }
 
 /// Nearest hits and occlusion computed by the device; checks that all ray plans give the same results.
@@ -154,6 +159,15 @@ fn agree(found: Option<Hit>, expected: Option<Hit>) -> bool {
         (Some(a), Some(b)) => (a.t - b.t).abs() <= TOLERANCE as f32 * b.t.max(0.1),
         _ => false,
     }
+}
+
+/// The tree is built on the host, whose time the timestamps of the device do not contain.
+#[test]
+fn the_time_of_preparing_contains_that_of_the_tree() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let scene = prepare_by(&soup(20_000), |view, required| on.prepare(view, required));
+    let seconds = on.timings().unwrap().get(Stage::Prepare);
+    assert!(scene.build_seconds > 0.0 && seconds >= scene.build_seconds, "{seconds} s, {} s", scene.build_seconds);
 }
 
 #[test]

@@ -35,25 +35,45 @@ pub enum Chosen {
 /// # Errors
 /// [`Fault::Input`] where Vulkan is requested and not available, with what is missing and what to do.
 pub fn open(name: BackendName, threads: Option<usize>) -> Result<Chosen, Fault> {
+    open_quietly(name, threads).map(Opened::report)
+}
+
+/// A backend that was opened, and the line that says which, if there was a choice.
+#[expect(missing_debug_implementations, reason = "a pool of threads")]
+pub struct Opened {
+    chosen: Chosen,
+    line: Option<String>,
+}
+
+impl Opened {
+    /// Reports on standard error which one was chosen.
+    #[must_use]
+    pub fn report(self) -> Chosen {
+        if let Some(line) = self.line {
+            eprintln!("{line}");
+        }
+        self.chosen
+    }
+}
+
+/// As [`open`], without the report.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_quietly(name: BackendName, threads: Option<usize>) -> Result<Opened, Fault> {
+    let vulkan = |on: Vulkan, why: &str| Opened {
+        line: Some(format!("backend: vulkan on {}, {why}", device(&on))),
+        chosen: Chosen::Vulkan(Box::new(on)),
+    };
     if threads == Some(0) {
         return Err(Fault::input("--threads is 0, but at least 1 is needed"));
     }
     match name {
-        BackendName::Cpu => cpu(threads),
-        BackendName::Vulkan => {
-            let on = vulkan()?;
-            eprintln!("backend: vulkan on {}, as requested", device(&on));
-            Ok(Chosen::Vulkan(Box::new(on)))
-        }
+        BackendName::Cpu => Ok(Opened { chosen: cpu(threads)?, line: None }),
+        BackendName::Vulkan => Ok(vulkan(self::vulkan()?, "as requested")),
         BackendName::Auto => match gpu() {
-            Ok(on) => {
-                eprintln!("backend: vulkan on {}, since that is a GPU", device(&on));
-                Ok(Chosen::Vulkan(Box::new(on)))
-            }
-            Err(why) => {
-                eprintln!("backend: cpu, since {why}");
-                cpu(threads)
-            }
+            Ok(on) => Ok(vulkan(on, "since that is a GPU")),
+            Err(why) => Ok(Opened { chosen: cpu(threads)?, line: Some(format!("backend: cpu, since {why}")) }),
         },
     }
 }
@@ -73,13 +93,29 @@ pub fn open_devices(wanted: &[String]) -> Result<Vec<Vulkan>, Fault> {
 /// # Errors
 /// [`Fault::Input`] naming the device that is unknown or not suitable.
 pub fn open_device(wanted: &str) -> Result<Vulkan, Fault> {
+    let on = device_named(wanted)?;
+    eprintln!("{}", requested(&on));
+    Ok(on)
+}
+
+/// As [`open_device`], without the report.
+///
+/// # Errors
+/// As [`open_device`].
+pub fn open_device_quietly(wanted: &str) -> Result<Opened, Fault> {
+    let on = device_named(wanted)?;
+    Ok(Opened { line: Some(requested(&on)), chosen: Chosen::Vulkan(Box::new(on)) })
+}
+
+fn requested(on: &Vulkan) -> String {
+    format!("backend: vulkan on {}, as requested", device(on))
+}
+
+fn device_named(wanted: &str) -> Result<Vulkan, Fault> {
     let mut options = Options::default();
     options.disk_cache = true;
     options.device = Some(wanted.to_owned());
-    let on = Vulkan::with_options(&options)
-        .map_err(|error| Fault::Input(format!("--device {wanted}: {}", why_not(&error))))?;
-    eprintln!("backend: vulkan on {}, as requested", device(&on));
-    Ok(on)
+    Vulkan::with_options(&options).map_err(|error| Fault::Input(format!("--device {wanted}: {}", why_not(&error))))
 }
 
 /// Indices of all suitable devices that are not software drivers.

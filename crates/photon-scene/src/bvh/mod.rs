@@ -8,6 +8,7 @@
 
 mod binary;
 mod compressed;
+mod shallow;
 mod simd;
 
 pub use binary::{Binary, BinaryTree};

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use photon_core::{Film, LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
-use photon_scene::Scene;
+use photon_scene::{LoadReport, Scene};
 
 use crate::args::RenderArgs;
-use crate::backend::{self, Chosen};
+use crate::backend::{self, Chosen, Opened};
 use crate::command::picture::{self, Look};
 use crate::command::{photon_share, render_blocks, render_film, render_passes};
 use crate::fault::Fault;
@@ -34,12 +34,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
     let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
     let begun = Instant::now();
-    let limit = args.machine.memory.map(|cap| move || memory::for_loading(cap, args.settings.picture.size));
-    let (scene, loaded) = load::scene_within(&args.scene, limit.as_ref().map(|limit| limit as &dyn Fn() -> u64))?;
-    let seconds_load = begun.elapsed().as_secs_f64();
+    let ((scene, loaded), seconds_load, opened) = load_and_open(args)?;
     let view = args.settings.picture.view(&scene)?;
-    let begun_opening = Instant::now();
-    let mut renderers = start(args, &scene, view, &mut settings)?;
+    let mut renderers = start(args, opened, &scene, view, &mut settings)?;
     let ready = Instant::now();
     let mut warnings = scene.warnings().to_vec();
     let starving = starving(&scene, &*renderers[0]);
@@ -88,7 +85,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         warnings: &warnings,
         lights: &photon_core::light_shares(&scene.view()),
         seconds_load,
-        seconds_start: (ready - begun_opening).as_secs_f64(),
+        seconds_start: (ready - begun).as_secs_f64() - seconds_load,
         seconds_passes,
         seconds_total,
     };
@@ -127,6 +124,36 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let written = if written.is_empty() { "nothing".to_owned() } else { written.join(", ") };
     eprintln!("wrote {written}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}");
     Ok(())
+}
+
+/// The scene, the seconds that loading it took, and the backend, which is opened meanwhile: that takes a GPU's driver half a
+/// second. `None` for several devices, and under a limit on memory, which drivers take too: then it is opened afterwards.
+#[expect(clippy::type_complexity, reason = "three things that are made at the same time")]
+fn load_and_open(args: &RenderArgs) -> Result<((Scene, LoadReport), f64, Option<Opened>), Fault> {
+    let begun = Instant::now();
+    let load = |limit| load::scene_within(&args.scene, limit).map(|loaded| (loaded, begun.elapsed().as_secs_f64()));
+    if let Some(cap) = args.machine.memory {
+        let (loaded, seconds) = load(Some(&|| memory::for_loading(cap, args.settings.picture.size)))?;
+        return Ok((loaded, seconds, None));
+    }
+    if args.machine.several() {
+        let (loaded, seconds) = load(None)?;
+        return Ok((loaded, seconds, None));
+    }
+    std::thread::scope(|threads| {
+        let opening = threads.spawn(|| open(args));
+        let loaded = load(None);
+        let opened = opening.join().map_err(|_| Fault::failure("opening the device failed"));
+        let (loaded, seconds) = loaded?;
+        Ok((loaded, seconds, Some(opened??)))
+    })
+}
+
+fn open(args: &RenderArgs) -> Result<Opened, Fault> {
+    match args.machine.device.as_slice() {
+        [device] => backend::open_device_quietly(device),
+        _ => backend::open_quietly(args.machine.backend, args.machine.threads),
+    }
 }
 
 /// The output files, checked before anything is rendered.
@@ -194,7 +221,13 @@ fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
 }
 
 /// A renderer for each device, at least one; settings that are left to the program are chosen for the scene.
-fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &mut Settings) -> Result<Vec<Box<dyn Render>>, Fault> {
+fn start(
+    args: &RenderArgs,
+    opened: Option<Opened>,
+    scene: &Scene,
+    view: View,
+    settings: &mut Settings,
+) -> Result<Vec<Box<dyn Render>>, Fault> {
     if args.machine.several() {
         let settings = &*settings;
         let devices = backend::open_devices(&args.machine.device)?;
@@ -208,10 +241,7 @@ fn start(args: &RenderArgs, scene: &Scene, view: View, settings: &mut Settings) 
                 .collect()
         });
     }
-    let chosen = match args.machine.device.as_slice() {
-        [device] => Chosen::Vulkan(Box::new(backend::open_device(device)?)),
-        _ => backend::open(args.machine.backend, args.machine.threads)?,
-    };
+    let chosen = opened.map_or_else(|| open(args), Ok)?.report();
     let besides = memory::besides(args.settings.picture.size);
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));

@@ -1,7 +1,7 @@
 //! Collapses the binary tree to the wide tree of least expected cost: chooses the nodes that stay and the
 //! triangles that share a leaf, by dynamic programming (Ylitie, Karras and Laine 2017, section 4.1).
 
-use crate::bvh::{Binary, BinaryTree};
+use crate::bvh::Binary;
 
 /// Cost of a triangle test, relative to testing a node of eight boxes.
 const TRIANGLE: f32 = 0.3;
@@ -100,14 +100,14 @@ impl Collapse {
     }
 
     /// Appends the triangles of a leaf.
-    pub(crate) fn triangles(&self, tree: &BinaryTree, leaf: u32, to: &mut Vec<u32>) {
+    pub(crate) fn triangles(&self, nodes: &[Binary], order: &[u32], leaf: u32, to: &mut Vec<u32>) {
         let mut open = vec![leaf];
         while let Some(index) = open.pop() {
-            let node = &tree.nodes[index as usize];
+            let node = &nodes[index as usize];
             if node.count == 0 {
                 open.extend([node.first + 1, node.first]);
             } else {
-                to.extend_from_slice(&tree.order[node.first as usize..(node.first + node.count) as usize]);
+                to.extend_from_slice(&order[node.first as usize..(node.first + node.count) as usize]);
             }
         }
     }

@@ -5,7 +5,9 @@
 mod collapse;
 mod node;
 
-use super::{AccelError, BinaryTree};
+use super::AccelError;
+use super::binary::{self, Arranged, padded};
+use super::shallow::first_fitting;
 
 pub use node::CompressedNode;
 
@@ -38,37 +40,41 @@ impl CompressedTree {
     /// # Errors
     /// [`AccelError`], which names the triangle or the vertex.
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, AccelError> {
-        let (tree, depth) = widen(&BinaryTree::build(positions, triangles, 1)?);
-        if depth <= Self::MAX_DEPTH {
-            return Ok(tree);
+        let boxes = padded(positions, triangles)?;
+        if boxes.is_empty() {
+            return Ok(Self { nodes: Vec::new(), order: Vec::new() });
         }
-        // Too deep for the stack; median splits never are.
-        Ok(widen(&BinaryTree::balanced(positions, triangles, 1)?).0)
+        let tree = binary::tree(&boxes, 1);
+        // Some trees are too deep for the stack.
+        Ok(first_fitting(&tree, &boxes, 1, |tree| {
+            let (tree, depth) = widen(tree);
+            (tree, depth <= Self::MAX_DEPTH)
+        }))
     }
 }
 
 /// The wide tree and its depth.
-fn widen(binary: &BinaryTree) -> (CompressedTree, u32) {
-    let mut tree = CompressedTree { nodes: Vec::new(), order: Vec::with_capacity(binary.order.len()) };
-    if binary.nodes.is_empty() {
+fn widen((nodes, order): &Arranged) -> (CompressedTree, u32) {
+    let mut tree = CompressedTree { nodes: Vec::new(), order: Vec::with_capacity(order.len()) };
+    if nodes.is_empty() {
         return (tree, 0);
     }
-    let collapse = collapse::Collapse::of(&binary.nodes, LEAF);
+    let collapse = collapse::Collapse::of(nodes, LEAF);
     // Wide nodes in breadth-first order: the binary node that each replaces, and its depth.
     let mut roots = vec![(0_u32, 1_u32)];
     let mut next = 0;
     while next < roots.len() {
         let (root, depth) = roots[next];
         next += 1;
-        let slots = node::slots(&binary.nodes, root, &collapse.children(&binary.nodes, root));
+        let slots = node::slots(nodes, root, &collapse.children(nodes, root));
         let (first_child, first_triangle) = (roots.len() as u32, tree.order.len() as u32);
-        let mut wide = CompressedNode::around(&binary.nodes[root as usize], first_child, first_triangle);
+        let mut wide = CompressedNode::around(&nodes[root as usize], first_child, first_triangle);
         for (slot, child) in slots.iter().enumerate() {
             let Some(child) = *child else { continue };
-            let inside = &binary.nodes[child as usize];
+            let inside = &nodes[child as usize];
             if collapse.is_leaf(child) {
                 let before = tree.order.len() as u32;
-                collapse.triangles(binary, child, &mut tree.order);
+                collapse.triangles(nodes, order, child, &mut tree.order);
                 wide.put_leaf(slot, inside, before - first_triangle, tree.order.len() as u32 - before);
             } else {
                 roots.push((child, depth + 1));

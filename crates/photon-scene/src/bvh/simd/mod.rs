@@ -12,7 +12,7 @@ mod triangle;
 use photon_core::glam::Vec3;
 use photon_core::{Hit, Ray, RayCaster, SkipLimit};
 
-use super::{AccelError, binary, check};
+use super::{AccelError, binary, check, shallow};
 use node::Node;
 use traverse::All;
 use triangle::Packet;
@@ -35,15 +35,12 @@ impl Accel {
         if boxes.is_empty() {
             return Ok(Self { nodes: Vec::new(), packets: Vec::new() });
         }
-        let (tree, order) = binary::tree(&boxes, triangle::LANES);
-        let (nodes, packets, depth) = node::widen(&tree, &order, &corners);
-        if depth <= traverse::MAX_DEPTH {
-            return Ok(Self { nodes, packets });
-        }
-        // The tree is too deep for the traversal stack; median splits never are.
-        let (tree, order) = binary::balanced(&boxes, triangle::LANES);
-        let (nodes, packets, _) = node::widen(&tree, &order, &corners);
-        Ok(Self { nodes, packets })
+        let tree = binary::tree(&boxes, triangle::LANES);
+        // Some trees are too deep for the traversal stack.
+        Ok(shallow::first_fitting(&tree, &boxes, triangle::LANES, |(tree, order)| {
+            let (nodes, packets, depth) = node::widen(tree, order, &corners);
+            (Self { nodes, packets }, depth <= traverse::MAX_DEPTH)
+        }))
     }
 }
 

@@ -109,12 +109,14 @@ fn primitives(nodes: &[Binary], order: &[u32], root: u32) -> Vec<u32> {
 /// Puts median splits of these primitives at the place `to` of the result.
 fn replace(to: usize, primitives: &[u32], boxes: &[Padded], leaf: usize, (nodes, order): &mut Arranged) {
     let own: Vec<Padded> = primitives.iter().map(|&id| boxes[id as usize]).collect();
-    let (added, arranged) = balanced(&own, leaf);
+    let (mut added, arranged) = balanced(&own, leaf);
     // All but its root go to the end.
     let (shift, start) = (nodes.len() as u32 - 1, order.len() as u32);
-    let moved = |node: &Binary| Binary { first: node.first + if node.count == 0 { shift } else { start }, ..*node };
-    nodes[to] = moved(&added[0]);
-    nodes.extend(added[1..].iter().map(moved));
+    for node in &mut added {
+        node.first += if node.count == 0 { shift } else { start };
+    }
+    nodes[to] = added[0];
+    nodes.extend(&added[1..]);
     order.extend(arranged.into_iter().map(|at| primitives[at as usize]));
 }
 

@@ -40,7 +40,8 @@ def compare(ours, theirs, block, limits=(0.005, 0.04)):
         ("channels", "blocks"), limits, statistics(ours, block), statistics(theirs, block)
     ):
         off, error = a / b - 1, np.hypot(a_error, b_error) / b
-        differ |= bool((np.abs(off) > limit + 4.5 * error).any())
+        # Not >: NaN differs too.
+        differ |= not bool((np.abs(off) <= limit + 4.5 * error).all())
         if off.ndim == 1:
             each = ", ".join(f"{c} {100 * o:+.2f} ± {100 * e:.2f} %" for c, o, e in zip("RGB", off, error))
             lines.append(f"{name}, ours against theirs: {each}")
@@ -52,6 +53,13 @@ def compare(ours, theirs, block, limits=(0.005, 0.04)):
                 f"rms {100 * np.sqrt((off**2).mean()):.2f} %, rms z {np.sqrt((z**2).mean()):.2f}"
             )
     return lines, differ
+
+
+def run(command, *further):
+    """Runs a command; what it says is shown if it fails."""
+    done = subprocess.run([*map(str, command), *further], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{done.stderr}{command[0]} failed")
 
 
 def main():
@@ -86,7 +94,7 @@ def main():
         theirs.append(np.array(mi.render(scene, integrator=path, spp=args.samples, seed=seed), dtype=np.float64))
         picture = args.folder / f"ours-{seed}.exr"
         command = [args.program, "render", *common, *OURS, "--passes", args.passes, "--seed", seed, "-o", picture]
-        subprocess.run([*map(str, command), *further], check=True, stderr=subprocess.DEVNULL)
+        run(command, *further)
         layers = dict(mi.Bitmap(str(picture)).split())
         ours.append(np.array(layers["<root>"], dtype=np.float64)[..., :3])
     ours, theirs = np.array(ours), np.array(theirs)[..., :3]

@@ -6,6 +6,11 @@ use photon_core::offset::STEP;
 /// Distance that separates for certain: more than points of rays and triangles move by rounding and by offsets.
 pub(crate) const MARGIN: f32 = 64.0 * STEP;
 
+/// Least sine of the angle between the normal and an edge whose perpendicular may separate. Corners are rounded by at most
+/// 2⁻²³ of an edge's length, so that the perpendicular leaves the plane by 2⁻²²/2⁻⁶ = 2⁻¹⁶ at most: along it the space is wider
+/// than the disc by this part of its height, far less than `MARGIN`.
+const LEAST_SINE: f32 = 0.015_625;
+
 /// Distance from the plane at which a point is on it: the rounding of coordinates.
 pub(crate) const ON_PLANE: f32 = 4.0 * STEP;
 
@@ -52,10 +57,11 @@ impl FlatDisc {
         let mut holds = heights.iter().all(|h| h.abs() <= ON_PLANE);
         for first in 0..3 {
             let (next, third) = ((first + 1) % 3, (first + 2) % 3);
-            let axis = self.normal.cross(from[next] - from[first]);
+            let edge = from[next] - from[first];
+            let axis = self.normal.cross(edge);
             let length = axis.length();
             // Parallel to the normal, an edge has no perpendicular in the plane; the other two have the same.
-            if !(length > MARGIN) {
+            if !(length > MARGIN.max(LEAST_SINE * edge.length())) {
                 holds = false;
                 continue;
             }
@@ -123,6 +129,9 @@ mod tests {
         assert_eq!(place(ceiling(0.06)), Place::Apart);
         assert_eq!(place(ceiling(-0.06)), Place::Apart);
         assert_eq!(place(ceiling(0.04)), Place::Other);
+        // All edges within a degree of the normal: no edge may separate, even if it could.
+        let sliver = |x: f32| [[x, 0.0, -1.0], [x, 0.01, 0.0], [x, 0.0, 1.0]];
+        assert_eq!(place(sliver(0.2)), Place::Other);
         // Degenerate ones are never held, nor lost where they cross the disc.
         assert_eq!(place([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]), Place::Other);
         assert_eq!(place([[f32::NAN; 3]; 3]), Place::Other);

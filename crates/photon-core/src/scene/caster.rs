@@ -96,10 +96,10 @@ pub trait RayCaster: Send + Sync {
     /// the positions of the scene view, in any order; they are written to `room`, and returned. `None`, the default, if that
     /// is unknown or there are more than fit; what `room` contains then does not matter.
     ///
-    /// The box is closed: a triangle that touches it overlaps it. All that overlap it are reported, each once; others may be.
-    /// This is not checked. Where an answer is given, the areas of estimates are found without rays in the middle of flat
-    /// surfaces: a triangle that is not reported silently makes these areas too large where it ends the surface or hides it,
-    /// and one that is reported twice makes rays necessary. Nothing else depends on it.
+    /// The box is closed: a triangle that touches it overlaps it. All that overlap it are reported; others may be, and any of
+    /// them more than once. This is not checked. Where an answer is given, the areas of estimates are found without rays in the
+    /// middle of flat surfaces: a triangle that is not reported silently makes these areas too large where it ends the surface
+    /// or hides it. Nothing else depends on it.
     fn overlapping<'a>(&self, low: Vec3, high: Vec3, room: &'a mut [u32]) -> Option<&'a [u32]> {
         let _ = (low, high, room);
         None

@@ -35,6 +35,7 @@ pub use film::forecast::{ErrorModel, Forecast};
 pub use film::pass_set::PassSet;
 pub use film::{Film, FilmPixel, Layer, NUMERICS, check_size};
 pub use glam;
+pub use pipeline::choice::{Candidate, Choice, Open};
 pub use pipeline::blocks::{BlockOutcome, Blocks, render_blocks};
 pub use pipeline::error_target::ErrorTarget;
 pub use pipeline::parallel_blocks::render_blocks_in_parallel;

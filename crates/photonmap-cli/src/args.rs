@@ -125,16 +125,18 @@ impl SettingsArgs {
         }
         let irradiance_every = light.irradiance_every.or(base.irradiance_every);
         let indirect = light.indirect.unwrap_or(base.indirect);
-        // A given time is used best with radii that are adapted to it, which requires error estimates.
         let derived = matches!(estimator, Estimator::Radius { radius: None }) && irradiance_every.is_none();
-        let adapts = derived && budget.passes.is_none() && budget.time.is_some();
-        // The preset `final` has the settings that were measured to be best for a given time.
+        // The settings from which trials choose, and with --errors those that were measured to be best for a given time.
         let timed = derived && self.is_timed();
+        // With other settings than those, radii are adapted to the time, which requires error estimates.
+        let adapts = derived && !timed && budget.passes.is_none() && budget.time.is_some();
         let kind = if timed { Settings::preset(Preset::Final, pixels) } else { base.clone() };
         let bandwidth = match estimate.bandwidth {
             Some(bandwidth) => bandwidth,
             // Neither final gathering nor the k nearest photons have a radius per pixel.
             None if indirect == Indirect::Gather || !matches!(estimator, Estimator::Radius { .. }) => Bandwidth::Shared,
+            // Trials in the scene tell whether a radius per pixel is worth the error estimates, which cost up to half of the passes.
+            None if timed && !budget.errors => Bandwidth::Shared,
             None => kind.bandwidth,
         };
         let settings = Settings {

@@ -47,17 +47,22 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         self.on.mark(None);
         self.reclaim_irradiance(irradiance);
+        self.reclaim_maps(maps);
+        Ok(())
+    }
+
+    /// Takes the buffers of maps back for the photons of the next pass.
+    pub(super) fn reclaim_maps(&mut self, maps: Vec<BuiltMap<B>>) {
         for built in maps {
             let mut slots = self.maps.iter_mut();
             if let Some(slot) = slots.find(|slot| (slot.kind, slot.reflected) == (built.kind, built.reflected)) {
                 slot.photons = Some(self.stages.map.builder.reclaim(built.map));
             }
         }
-        Ok(())
     }
 
     /// Builds a map for each kind that has photons; empty ones are left out.
-    fn build_maps(&mut self, index: u32, paths: &PerMap<u64>) -> Result<Vec<BuiltMap<B>>> {
+    pub(super) fn build_maps(&mut self, index: u32, paths: &PerMap<u64>) -> Result<Vec<BuiltMap<B>>> {
         let mut maps = Vec::with_capacity(self.maps.len());
         for slot in &mut self.maps {
             let Some(filled) = slot.photons.take() else { continue };
@@ -81,7 +86,7 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 
     /// Adds the estimates from one map at the queries to the film.
-    fn show(&mut self, built: &BuiltMap<B>, pass: Pass) -> Result<()> {
+    pub(super) fn show(&mut self, built: &BuiltMap<B>, pass: Pass) -> Result<()> {
         let BuiltMap { kind, reflected, map, gather, paths, .. } = built;
         let queries = if *reflected { self.reflections.as_ref() } else { Some(&self.queries) };
         let Some(queries) = queries else { return Ok(()) };

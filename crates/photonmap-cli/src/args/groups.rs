@@ -107,10 +107,10 @@ pub struct BudgetArgs {
     pub passes: Option<PassRange>,
     /// Time limit in seconds, from start to finished file.
     ///
-    /// Passes are rendered until the time is used up. Unless --passes, --radius or a target is given, the radii are
-    /// adapted to the time, --area and --bandwidth default to those of the preset `final`, and --photons to two per pixel
-    /// if that is less than without a time. Under an environment, if photons bring little of the light, --photons is an eighth
-    /// of that, and --area may be disc.
+    /// Passes are rendered until the time is used up. Unless --preset, --passes or a target is given, --area, --radius-factor
+    /// and --bandwidth are chosen by trials in the scene, and --photons is one per pixel if that is less than without a time.
+    /// Under an environment, if photons bring little of the light, it is a quarter. With --errors, --area and --bandwidth are
+    /// those of the preset `final`, and --photons is two per pixel.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Stop at this relative error, such as 0.05.

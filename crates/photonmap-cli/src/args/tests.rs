@@ -90,10 +90,12 @@ fn a_time_is_spent_as_was_measured_to_be_best() {
         let s = settings(&[&["--time", "5"], arguments].concat()).unwrap();
         (s.area, s.bandwidth)
     };
-    assert_eq!(of(&[]), (Area::Surface, Bandwidth::PerPixel));
-    assert_eq!(of(&["--indirect", "gather"]), (Area::Surface, Bandwidth::Shared));
-    assert_eq!(of(&["--area", "disc"]), (Area::Disc, Bandwidth::PerPixel));
-    assert_eq!(of(&["--bandwidth", "shared"]), (Area::Surface, Bandwidth::Shared));
+    // Trials choose the bandwidth, unless errors are estimated anyway.
+    assert_eq!(of(&[]), (Area::Surface, Bandwidth::Shared));
+    assert_eq!(of(&["--errors"]), (Area::Surface, Bandwidth::PerPixel));
+    assert_eq!(of(&["--errors", "--indirect", "gather"]), (Area::Surface, Bandwidth::Shared));
+    assert_eq!(of(&["--errors", "--area", "disc"]), (Area::Disc, Bandwidth::PerPixel));
+    assert_eq!(of(&["--errors", "--bandwidth", "shared"]), (Area::Surface, Bandwidth::Shared));
     for given in [
         ["--target-error", "0.1"],
         ["--total-photons", "1M"],
@@ -103,7 +105,10 @@ fn a_time_is_spent_as_was_measured_to_be_best() {
     ] {
         assert_eq!(of(&given), (Area::Disc, Bandwidth::Shared), "{given:?}");
     }
-    assert!(settings(&["--time", "5"]).unwrap().errors);
+    let errors = |arguments: &[&str]| settings(&[&["--time", "5"], arguments].concat()).unwrap().errors;
+    assert!(!errors(&[]) && errors(&["--errors"]) && errors(&["--bandwidth", "per-pixel"]));
+    // Radii of presets are adapted to the time.
+    assert!(errors(&["--preset", "preview"]) && !errors(&["--preset", "preview", "--passes", "7"]));
     // Two paths per pixel of a small picture; never more than without a time.
     for (size, photons) in [("128x128", 32_768), ("1024x1024", 200_000)] {
         assert_eq!(settings(&["--time", "5", "--size", size]).unwrap().photons, photons);

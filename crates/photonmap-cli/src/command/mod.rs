@@ -1,6 +1,6 @@
 //! The commands of `photonmap`.
 
-pub mod compare;
+mod compare;
 pub mod devices;
 pub mod explain;
 pub mod export;
@@ -17,6 +17,7 @@ mod render_blocks;
 mod render_film;
 mod render_passes;
 pub mod scenes;
+mod timed;
 
 use std::process::ExitCode;
 

@@ -12,7 +12,7 @@ use photon_scene::{LoadReport, Scene};
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen, Opened};
 use crate::command::picture::{self, Look};
-use crate::command::{photon_share, render_blocks, render_film, render_passes};
+use crate::command::{photon_share, render_blocks, render_film, render_passes, timed};
 use crate::fault::Fault;
 use crate::report::{self, Details};
 use crate::watch::Watch;
@@ -36,7 +36,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let begun = Instant::now();
     let ((scene, loaded), seconds_load, opened) = load_and_open(args)?;
     let view = args.settings.picture.view(&scene)?;
-    let mut renderers = start(args, opened, &scene, view, &mut settings)?;
+    let mut renderers = start((args, begun), opened, &scene, view, &mut settings)?;
     let ready = Instant::now();
     let mut warnings = scene.warnings().to_vec();
     let starving = starving(&scene, &*renderers[0]);
@@ -222,7 +222,7 @@ fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
 
 /// A renderer for each device, at least one; settings that are left to the program are chosen for the scene.
 fn start(
-    args: &RenderArgs,
+    (args, begun): (&RenderArgs, Instant),
     opened: Option<Opened>,
     scene: &Scene,
     view: View,
@@ -249,16 +249,16 @@ fn start(
         Chosen::Cpu(on) => {
             // It counts the texels, which it shares with the scene: they are resident already.
             let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
-            chosen_pipeline(on, args, scene, view, memory, settings)
+            chosen_pipeline(on, (args, begun), scene, view, memory, settings)
         }
-        Chosen::Vulkan(on) => chosen_pipeline(*on, args, scene, view, memory, settings),
+        Chosen::Vulkan(on) => chosen_pipeline(*on, (args, begun), scene, view, memory, settings),
     };
     Ok(vec![started.map_err(|fault| fault.within(args.machine.memory, besides))?])
 }
 
 fn chosen_pipeline<B: TransportBackend>(
     on: B,
-    args: &RenderArgs,
+    (args, begun): (&RenderArgs, Instant),
     scene: &Scene,
     view: View,
     memory: Option<u64>,
@@ -266,8 +266,11 @@ fn chosen_pipeline<B: TransportBackend>(
 ) -> Result<Box<dyn Render>, Fault> {
     let within = Settings { memory, ..settings.clone() };
     let (on, chosen) = photon_share::choose(on, args, scene, within)?;
-    *settings = Settings { memory: settings.memory, ..chosen.clone() };
-    pipeline(on, scene, view, &chosen)
+    let chosen = timed::fewer_paths(args, scene, chosen);
+    let mut renderer = Pipeline::new(on, &scene.view(), view, chosen.clone())?;
+    let chosen = timed::choose(&mut renderer, (args, begun), scene, chosen)?;
+    *settings = Settings { memory: settings.memory, ..chosen };
+    Ok(Box::new(renderer))
 }
 
 fn pipeline<B: TransportBackend>(

@@ -1,0 +1,196 @@
+//! The error that estimates with one kind of areas and one radius are expected to have after a given time.
+
+use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_sum};
+use crate::settings::Area;
+
+/// What one setting of the estimates gave in two passes, and what it took.
+pub(super) struct Trial {
+    pub(super) area: Area,
+    /// Factor on the radii.
+    pub(super) factor: f64,
+    /// The radiance of each pixel by photons, mean of RGB, with the photons of each pass at the same visible points.
+    pub(super) passes: [Vec<f64>; 2],
+    /// Seconds for the pixels of a pass.
+    pub(super) seconds: f64,
+}
+
+/// A curve through values that are measured for several factors, by powers between them and beyond.
+#[derive(Clone, Debug)]
+struct Curve {
+    /// Factor and value, both > 0, by increasing factor.
+    points: Vec<[f64; 2]>,
+    /// Least and greatest exponent.
+    exponents: [f64; 2],
+}
+
+impl Curve {
+    fn at(&self, factor: f64) -> f64 {
+        let Some(last) = self.points.len().checked_sub(1) else { return 0.0 };
+        // The piece that contains the factor, or the nearest one.
+        let end = self.points.iter().position(|[at, _]| *at >= factor).unwrap_or(last).max(1).min(last);
+        let [[x0, y0], [x1, y1]] = [self.points[end.saturating_sub(1)], self.points[end]];
+        let exponent = if x1 > x0 { libm::log(y1 / y0) / libm::log(x1 / x0) } else { 0.0 };
+        let exponent = exponent.clamp(self.exponents[0], self.exponents[1]);
+        let (x, y) = if (factor - x0).abs() < (factor - x1).abs() { (x0, y0) } else { (x1, y1) };
+        y * libm::pow(factor / x, exponent)
+    }
+}
+
+/// Squared relative errors of one kind of areas.
+pub(super) struct Model {
+    /// The variance that does not depend on photons.
+    others: f64,
+    variance: Curve,
+    bias_squared: Curve,
+    seconds: Curve,
+    photons: f64,
+    alpha: f64,
+}
+
+impl Model {
+    /// From the trials of one kind of areas, by increasing factor; `least` is the trial with the least bias, of any kind,
+    /// and `photons` the seconds of a pass that do not depend on the picture.
+    pub(super) fn new(trials: &[&Trial], least: &Trial, direct: &[Vec<f64>; 2], weights: &[f64], photons: f64, alpha: f64) -> Self {
+        let mean = |of: &dyn Fn(usize) -> f64| {
+            weights.iter().enumerate().map(|(i, weight)| of(i) * weight).sum::<f64>() / weights.len().max(1) as f64
+        };
+        // Of one pass: half of the squared difference of two.
+        let variance = |[one, two]: &[Vec<f64>; 2]| mean(&|i| 0.5 * (one[i] - two[i]).powi(2));
+        // The noise of two passes is independent: that of the product has the mean 0.
+        let [one, two] = &least.passes;
+        let difference = |trial: &Trial| mean(&|i| (trial.passes[0][i] - one[i]) * (trial.passes[1][i] - two[i]));
+        let positive = |of: &dyn Fn(&Trial) -> f64| {
+            trials.iter().map(|trial| [trial.factor, of(trial).max(f64::MIN_POSITIVE)]).collect::<Vec<_>>()
+        };
+        Self {
+            others: variance(direct),
+            variance: Curve { points: positive(&|trial| variance(&trial.passes)), exponents: [-2.0, 0.0] },
+            bias_squared: Curve {
+                points: trials
+                    .iter()
+                    .filter_map(|trial| {
+                        // Bias grows at least as the radius: at edges; the trial with the least bias has some too.
+                        let rest = if trial.area == least.area { 1.0 - least.factor / trial.factor } else { 1.0 };
+                        let squared = difference(trial) / (rest * rest);
+                        (rest > 0.0 && squared > 0.0).then_some([trial.factor, squared])
+                    })
+                    .collect(),
+                exponents: [1.0, 4.0],
+            },
+            seconds: Curve { points: positive(&|trial| trial.seconds), exponents: [0.0, 2.0] },
+            photons,
+            alpha,
+        }
+    }
+
+    /// Seconds of a pass with a factor on the radii, and the squared relative error after `seconds`.
+    pub(super) fn forecast(&self, factor: f64, seconds: f64) -> [f64; 2] {
+        let pass = self.photons + self.seconds.at(factor);
+        let passes = (seconds / pass.max(f64::MIN_POSITIVE)).clamp(1.0, 1e9) as u32;
+        // Radii shrink: bias is proportional to the mean of their squares, variance to that of their reciprocals.
+        let n = f64::from(passes);
+        let (wide, narrow) =
+            (radius_squared_sum(passes, self.alpha) / n, n / inverse_radius_squared_sum(passes, self.alpha));
+        let error = (self.others + self.variance.at(factor * narrow.sqrt())) / n + self.bias_squared.at(factor * wide.sqrt());
+        [pass, error]
+    }
+}
+
+/// Reciprocals of the squared radiance of each pixel, by this trial and what is not by photons, and a hundredth of its squared
+/// mean.
+pub(super) fn weights(trial: &Trial, others: &[f64]) -> Vec<f64> {
+    let [one, two] = &trial.passes;
+    let radiance: Vec<f64> = one.iter().zip(two).zip(others).map(|((a, b), c)| 0.5 * (a + b) + c).collect();
+    let mean = radiance.iter().sum::<f64>() / radiance.len().max(1) as f64;
+    radiance.iter().map(|value| (value * value + 0.01 * mean * mean).max(f64::MIN_POSITIVE).recip()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PIXELS: usize = 4096;
+
+    /// Independent numbers with mean 0 and variance 1, from a counter.
+    fn noise(stream: u64) -> impl Iterator<Item = f64> {
+        (0..PIXELS as u64).map(move |i| {
+            let uniform = |part: u64| {
+                let mut word = (stream << 40) ^ (i << 8) ^ part;
+                for _ in 0..3 {
+                    word = (word ^ (word >> 31)).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x1234_5678_9abc_def1);
+                }
+                ((word >> 11) as f64) / (1_u64 << 53) as f64
+            };
+            // Twelve uniform numbers have the variance 1.
+            (0..12).map(uniform).sum::<f64>() - 6.0
+        })
+    }
+
+    /// Pixels of 1 with a relative noise of 0.2 over the factor, and a bias of `bias` times its square.
+    fn trial(area: Area, factor: f64, bias: f64, stream: u64) -> Trial {
+        let pass = |stream: u64| noise(stream).map(|x| 1.0 + bias * factor * factor + 0.2 / factor * x).collect();
+        Trial { area, factor, passes: [pass(2 * stream), pass(2 * stream + 1)], seconds: 0.25 * factor * factor }
+    }
+
+    #[test]
+    fn curves_are_powers_between_points_and_beyond() {
+        let curve = Curve { points: [0.5, 1.0, 2.0].map(|x: f64| [x, 3.0 * x * x]).to_vec(), exponents: [0.0, 4.0] };
+        for factor in [0.25_f64, 0.5, 0.7, 1.0, 1.9, 2.0, 5.0] {
+            assert!((curve.at(factor) / (3.0 * factor * factor) - 1.0).abs() < 1e-12, "{factor}");
+        }
+        let flat = Curve { exponents: [-2.0, 0.0], ..curve };
+        assert!((flat.at(0.25) - 0.75).abs() < 1e-12 && (flat.at(5.0) - 12.0).abs() < 1e-12, "exponents are limited");
+        let one = Curve { points: vec![[1.0, 7.0]], exponents: [-2.0, 2.0] };
+        assert_eq!([one.at(0.5), one.at(3.0)], [7.0; 2]);
+        assert_eq!(Curve { points: Vec::new(), exponents: [0.0; 2] }.at(1.0), 0.0);
+    }
+
+    /// Variance and squared bias are recovered from two passes, within 4.5 standard errors.
+    #[test]
+    fn errors_are_those_of_noise_and_bias() {
+        let bias = 0.06;
+        let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, bias, (factor * 10.0) as u64));
+        let all: Vec<&Trial> = trials.iter().collect();
+        let weights = vec![1.0; PIXELS];
+        let direct = [noise(90).map(|x| 0.3 * x).collect(), noise(91).map(|x| 0.3 * x).collect()];
+        let model = Model::new(&all, &trials[0], &direct, &weights, 0.75, 1.0);
+        for factor in [1.4, 2.0] {
+            let passes = 100.0;
+            let seconds = 0.75 + 0.25 * factor * factor;
+            let [pass, error] = model.forecast(factor, passes * seconds + 1e-9);
+            assert!((pass - seconds).abs() < 1e-12);
+            let (variance, others): (f64, f64) = (0.04 / (factor * factor), 0.09);
+            // The bias that the trial with the factor 0.7 lacks, 0.7² of it, is assumed to grow as the radius, 0.7 of it.
+            let lacking = bias * (factor * factor - 0.49);
+            let bias_squared = (lacking / (1.0 - 0.7 / factor)).powi(2);
+            let expected = (variance + others) / passes + bias_squared;
+            // Half of a squared difference has the variance 2 σ⁴, the product of two differences σ⁴ + 2 b² σ² with
+            // the variance σ² of each.
+            let each = variance + 0.04 / 0.49;
+            let product = (each * each + 2.0 * lacking * lacking * each).sqrt() / (1.0 - 0.7 / factor).powi(2);
+            let standard_error =
+                ((2.0 * (variance.powi(2) + others.powi(2))) / passes.powi(2) + product.powi(2)).sqrt() / (PIXELS as f64).sqrt();
+            let z = (error - expected) / standard_error;
+            assert!(z.abs() < 4.5, "{factor}: {error} for {expected}, z = {z}");
+        }
+    }
+
+    /// More passes make the larger radius worse than the smaller one: its bias remains.
+    #[test]
+    fn with_time_bias_matters_more() {
+        let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, 0.03, (factor * 10.0) as u64));
+        let all: Vec<&Trial> = trials.iter().collect();
+        let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
+        let model = Model::new(&all, &trials[0], &none, &vec![1.0; PIXELS], 0.75, 1.0);
+        let error = |factor: f64, seconds: f64| model.forecast(factor, seconds)[1];
+        assert!(error(2.0, 2.0) < error(0.7, 2.0) && error(2.0, 1e4) > error(0.7, 1e4));
+    }
+
+    #[test]
+    fn dark_pixels_weigh_no_more_than_a_hundred_times_the_mean() {
+        let trial = Trial { area: Area::Disc, factor: 1.0, passes: [vec![0.0, 1.0], vec![0.0, 2.0]], seconds: 1.0 };
+        let weights = weights(&trial, &[0.0, 0.5]);
+        assert_eq!(weights, [1.0 / 0.01, 1.0 / (4.0 + 0.01)]);
+        assert!(super::weights(&Trial { passes: [vec![0.0], vec![0.0]], ..trial }, &[0.0])[0].is_finite());
+    }
+}

@@ -1,0 +1,76 @@
+//! Settings for `--time`: those that are not given are chosen by trials in this scene.
+#![expect(clippy::print_stderr, reason = "the choice goes to standard error")]
+
+use std::time::Instant;
+
+use photon_core::{
+    Area, Bandwidth, Choice, Estimator, Features, Indirect, Open, Pipeline, Settings, TransportBackend,
+};
+use photon_scene::Scene;
+
+use crate::args::RenderArgs;
+use crate::fault::Fault;
+
+/// Half of the paths, and so radii that are √2 times as large: for a given time, more passes are better than more photons.
+/// Under an environment, where photons bring less of the light, [`super::photon_share`] decides.
+pub(super) fn fewer_paths(args: &RenderArgs, scene: &Scene, settings: Settings) -> Settings {
+    let is_open = Features::of(&scene.view()).contains(Features::ENVIRONMENT);
+    let is_derived =
+        matches!(settings.estimator, Estimator::Radius { radius: None }) && settings.irradiance_every.is_none();
+    let from_maps = settings.indirect == Indirect::Map;
+    if args.settings.photon.photons.is_some() || is_open || !is_derived || !from_maps || !is_chosen(args) {
+        return settings;
+    }
+    Settings { photons: (settings.photons / 2).max(LEAST.min(settings.photons)), ..settings }
+}
+
+/// Fewer paths than this take hardly less time.
+const LEAST: u32 = 16_384;
+
+/// Whether settings are chosen by trials: with `--time` and nothing else that determines its use. A film that is continued
+/// keeps its settings, and error estimates are wanted with the settings that are best for them.
+fn is_chosen(args: &RenderArgs) -> bool {
+    args.settings.is_timed() && !args.settings.budget.errors && args.film.film.is_none()
+}
+
+/// Chooses areas, radii, and whether each pixel has a radius of its own, for the time that remains since `begun`. The renderer
+/// has them afterwards; the settings that it has are returned.
+///
+/// # Errors
+/// Those of rendering.
+pub(super) fn choose<B: TransportBackend>(
+    renderer: &mut Pipeline<B>,
+    (args, begun): (&RenderArgs, Instant),
+    scene: &Scene,
+    settings: Settings,
+) -> Result<Settings, Fault> {
+    let Some(time) = args.settings.budget.time.filter(|_| is_chosen(args)) else { return Ok(settings) };
+    let given = &args.settings.estimate;
+    let open = Open {
+        area: given.area.is_none(),
+        radius_factor: given.radius_factor.is_none(),
+        bandwidth: given.bandwidth.is_none(),
+    };
+    let seconds = (time - begun.elapsed().as_secs_f64()).max(0.0);
+    let Some(choice) = renderer.choose(&scene.view(), seconds, open)? else { return Ok(settings) };
+    eprintln!("{}", text(&choice, settings.photons));
+    let errors = settings.errors || choice.bandwidth == Bandwidth::PerPixel;
+    let radius_factor = settings.radius_factor * choice.radius_factor;
+    Ok(Settings { area: choice.area, radius_factor, bandwidth: choice.bandwidth, errors, ..settings })
+}
+
+/// The choice as options, and what it and the best with the other kind of areas are expected to give.
+fn text(choice: &Choice, photons: u32) -> String {
+    let forecast = |area: Area| {
+        let best = choice.candidates.iter().find(|candidate| candidate.area == area)?;
+        Some(format!("{:.1} % with --area {}", 100.0 * best.error.sqrt(), area.name()))
+    };
+    let errors: Vec<String> = Area::ALL.into_iter().filter_map(forecast).collect();
+    format!(
+        "chosen for the time: --photons {photons} --area {} --radius-factor {} --bandwidth {} (forecast of the error: {})",
+        choice.area.name(),
+        choice.radius_factor,
+        choice.bandwidth.name(),
+        errors.join(", ")
+    )
+}

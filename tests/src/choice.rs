@@ -1,0 +1,78 @@
+//! Settings that a pipeline chooses for the time that there is.
+
+use photon_core::{Area, Bandwidth, Choice, Film, Indirect, Open, Pipeline, Render, Settings, TransportBackend};
+use photon_scene::Scene;
+
+use crate::harness::{TestBackend, renderer};
+
+const SIZE: u32 = 24;
+const ALL: Open = Open { area: true, radius_factor: true, bandwidth: true };
+const NONE: Open = Open { area: false, radius_factor: false, bandwidth: false };
+
+fn scene() -> Scene {
+    photon_scene::builtin("cornell-glass").unwrap().build().unwrap()
+}
+
+fn settings() -> Settings {
+    Settings { photons: 6000, seed: 5, area: Area::Surface, ..Settings::default() }
+}
+
+/// Enough passes for radii of pixels to be computed.
+fn film<B: TransportBackend>(renderer: &mut Pipeline<B>) -> Film {
+    (0..9).for_each(|pass| {
+        renderer.pass(pass, &mut ()).unwrap();
+    });
+    renderer.film().unwrap()
+}
+
+/// After a choice, pictures are those of a pipeline that was made with the chosen settings, bit by bit.
+pub fn chosen_settings_make_the_same_bits<T: TestBackend>() {
+    let scene = scene();
+    let chosen = |open: Open, seconds: f64| {
+        let mut renderer = renderer::<T>(&scene, &settings(), SIZE);
+        let choice = renderer.choose(&scene.view(), seconds, open).unwrap().unwrap();
+        (choice, film(&mut renderer))
+    };
+    let check = |open: Open, seconds: f64| -> Choice {
+        let (choice, found) = chosen(open, seconds);
+        let Choice { area, radius_factor, bandwidth, .. } = choice;
+        let errors = bandwidth == Bandwidth::PerPixel;
+        let given = Settings { area, radius_factor, bandwidth, errors, ..settings() };
+        let expected = film(&mut renderer::<T>(&scene, &given, SIZE));
+        assert!(found.pixels == expected.pixels && found.errors == expected.errors, "{given:?}");
+        let other = Settings { radius_factor: 1.1 * radius_factor, ..given };
+        assert!(found.pixels != film(&mut renderer::<T>(&scene, &other, SIZE)).pixels, "other radii go unnoticed");
+        let errors: Vec<f64> = choice.candidates.iter().map(|candidate| candidate.error).collect();
+        assert!(errors.is_sorted() && errors.iter().all(|error| error.is_finite() && *error > 0.0), "{errors:?}");
+        assert!(choice.candidates.iter().all(|candidate| candidate.seconds > 0.0), "{choice:?}");
+        choice
+    };
+    // In no time there is one pass.
+    let hasty = check(ALL, 0.0);
+    assert!(hasty.area == Area::Disc && hasty.bandwidth == Bandwidth::Shared, "{hasty:?}");
+    assert_eq!(hasty.candidates.len(), 10);
+    // In years, each pixel finds its own radius.
+    let patient = check(ALL, 1e8);
+    assert_eq!((patient.radius_factor, patient.bandwidth), (1.0, Bandwidth::PerPixel), "{patient:?}");
+    let radius = check(Open { radius_factor: true, ..NONE }, 1e8);
+    assert!(radius.radius_factor < hasty.radius_factor && radius.area == Area::Surface && radius.candidates.len() == 5, "{radius:?}");
+    let area = check(Open { area: true, ..NONE }, 1e8);
+    assert!(area.radius_factor == 1.0 && area.candidates.len() == 2, "{area:?}");
+}
+
+/// Nothing is chosen, and no bit changes, where there is nothing to choose.
+pub fn nothing_to_choose_changes_nothing<T: TestBackend>() {
+    let scene = scene();
+    let none = |settings: &Settings, open: Open| {
+        let mut chooser = renderer::<T>(&scene, settings, SIZE);
+        assert_eq!(chooser.choose(&scene.view(), 1.0, open).unwrap(), None, "{settings:?}");
+        let expected = film(&mut renderer::<T>(&scene, settings, SIZE));
+        assert!(film(&mut chooser).pixels == expected.pixels, "{settings:?}");
+        // Nor after the first pass.
+        assert_eq!(chooser.choose(&scene.view(), 1.0, ALL).unwrap(), None);
+    };
+    none(&settings(), NONE);
+    none(&Settings { indirect: Indirect::Gather, gather_rays: 1, ..settings() }, ALL);
+    let given = Settings { area: Area::Disc, radius_factor: 0.9, errors: true, ..settings() };
+    none(&Settings { bandwidth: Bandwidth::PerPixel, ..given }, ALL);
+}

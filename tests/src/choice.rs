@@ -55,7 +55,10 @@ pub fn chosen_settings_make_the_same_bits<T: TestBackend>() {
     let patient = check(ALL, 1e8);
     assert_eq!((patient.radius_factor, patient.bandwidth), (1.0, Bandwidth::PerPixel), "{patient:?}");
     let radius = check(Open { radius_factor: true, ..NONE }, 1e8);
-    assert!(radius.radius_factor < hasty.radius_factor && radius.area == Area::Surface && radius.candidates.len() == 5, "{radius:?}");
+    assert!(
+        radius.radius_factor < hasty.radius_factor && radius.area == Area::Surface && radius.candidates.len() == 5,
+        "{radius:?}"
+    );
     let area = check(Open { area: true, ..NONE }, 1e8);
     assert!(area.radius_factor == 1.0 && area.candidates.len() == 2, "{area:?}");
 }

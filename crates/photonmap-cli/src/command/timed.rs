@@ -3,9 +3,7 @@
 
 use std::time::Instant;
 
-use photon_core::{
-    Area, Bandwidth, Choice, Estimator, Features, Indirect, Open, Pipeline, Settings, TransportBackend,
-};
+use photon_core::{Area, Bandwidth, Choice, Estimator, Features, Indirect, Open, Pipeline, Settings, TransportBackend};
 use photon_scene::Scene;
 
 use crate::args::RenderArgs;

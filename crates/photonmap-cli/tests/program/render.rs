@@ -270,5 +270,46 @@ fn time_is_spent_where_the_light_is() {
     };
     assert_eq!(paths("sky", &[]), (16_384, true));
     assert_eq!(paths("sky", &["--photons", "20000"]), (20_000, false));
-    assert_eq!(paths("cornell", &[]), (131_072, false));
+    assert_eq!(paths("cornell", &[]), (65_536, false));
+    assert_eq!(paths("cornell", &["--errors"]), (131_072, false));
+}
+
+/// The options that are printed make the same picture with the number of passes.
+#[test]
+fn chosen_options_make_the_same_picture() {
+    let folder = folder("chosen-options");
+    let [chosen, given] = ["chosen.exr", "given.exr"].map(|name| folder.join(name).to_str().unwrap().to_owned());
+    let report = folder.join("report.json");
+    let common = ["cornell-glass", "--size", "48x48", "--backend", "cpu"];
+    let output = photonmap("render")
+        .args(common)
+        .args(["--time", "1.5", "-o", &chosen, "--json", report.to_str().unwrap()])
+        .output()
+        .unwrap();
+    succeeded(&output);
+    let text = stderr(&output);
+    let options = text.split("chosen for the time: ").nth(1).unwrap().split(" (").next().unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
+    let passes = json["passes"].to_string();
+    let same = photonmap("render")
+        .args(common)
+        .args(options.split(' '))
+        .args(["--passes", &passes, "-o", &given])
+        .output()
+        .unwrap();
+    succeeded(&same);
+    let compared = photonmap("compare").args([&chosen, &given]).output().unwrap();
+    succeeded(&compared);
+    let compared = String::from_utf8(compared.stdout).unwrap();
+    let error = compared.lines().find_map(|line| line.strip_prefix("relMSE")).unwrap().trim();
+    assert_eq!(error.parse::<f64>().unwrap(), 0.0, "{options}");
+    // Settings that are given are not chosen.
+    let output = photonmap("render")
+        .args(common)
+        .args(["--time", "0.2", "--area", "disc", "--radius-factor", "0.8", "--bandwidth", "shared"])
+        .args(["-o", &given])
+        .output()
+        .unwrap();
+    succeeded(&output);
+    assert!(!stderr(&output).contains("chosen for the time"), "{}", stderr(&output));
 }

@@ -50,7 +50,14 @@ pub(super) struct Model {
 impl Model {
     /// From the trials of one kind of areas, by increasing factor; `least` is the trial with the least bias, of any kind,
     /// and `photons` the seconds of a pass that do not depend on the picture.
-    pub(super) fn new(trials: &[&Trial], least: &Trial, direct: &[Vec<f64>; 2], weights: &[f64], photons: f64, alpha: f64) -> Self {
+    pub(super) fn new(
+        trials: &[&Trial],
+        least: &Trial,
+        direct: &[Vec<f64>; 2],
+        weights: &[f64],
+        photons: f64,
+        alpha: f64,
+    ) -> Self {
         let mean = |of: &dyn Fn(usize) -> f64| {
             weights.iter().enumerate().map(|(i, weight)| of(i) * weight).sum::<f64>() / weights.len().max(1) as f64
         };
@@ -91,7 +98,8 @@ impl Model {
         let n = f64::from(passes);
         let (wide, narrow) =
             (radius_squared_sum(passes, self.alpha) / n, n / inverse_radius_squared_sum(passes, self.alpha));
-        let error = (self.others + self.variance.at(factor * narrow.sqrt())) / n + self.bias_squared.at(factor * wide.sqrt());
+        let error =
+            (self.others + self.variance.at(factor * narrow.sqrt())) / n + self.bias_squared.at(factor * wide.sqrt());
         [pass, error]
     }
 }
@@ -117,7 +125,8 @@ mod tests {
             let uniform = |part: u64| {
                 let mut word = (stream << 40) ^ (i << 8) ^ part;
                 for _ in 0..3 {
-                    word = (word ^ (word >> 31)).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x1234_5678_9abc_def1);
+                    word =
+                        (word ^ (word >> 31)).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x1234_5678_9abc_def1);
                 }
                 ((word >> 11) as f64) / (1_u64 << 53) as f64
             };
@@ -168,8 +177,9 @@ mod tests {
             // the variance σ² of each.
             let each = variance + 0.04 / 0.49;
             let product = (each * each + 2.0 * lacking * lacking * each).sqrt() / (1.0 - 0.7 / factor).powi(2);
-            let standard_error =
-                ((2.0 * (variance.powi(2) + others.powi(2))) / passes.powi(2) + product.powi(2)).sqrt() / (PIXELS as f64).sqrt();
+            let standard_error = ((2.0 * (variance.powi(2) + others.powi(2))) / passes.powi(2) + product.powi(2))
+                .sqrt()
+                / (PIXELS as f64).sqrt();
             let z = (error - expected) / standard_error;
             assert!(z.abs() < 4.5, "{factor}: {error} for {expected}, z = {z}");
         }

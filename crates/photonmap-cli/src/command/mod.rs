@@ -1,6 +1,6 @@
 //! The commands of `photonmap`.
 
-mod compare;
+pub mod compare;
 pub mod devices;
 pub mod explain;
 pub mod export;

@@ -66,10 +66,20 @@ struct EnvironmentInterval {
     float probability;
 };
 
-// The interval of `count` starts, from the entry `first` of all starts on, that contains `random`.
+// The position of a random word in its interval, in (0, 1).
+float environment_within(uint offset, float whole) {
+    precise float within = (float(offset) + 0.5) / whole;
+    return min(within, 1.0 - 1.1920929e-7);
+}
+
+// The interval of `count` starts, from the entry `first` of all starts on, that contains `random`. The guide tables follow all
+// starts, in the same order.
 EnvironmentInterval environment_interval(SceneRef scene, uint first, uint count, uint random) {
-    uint low = 0u;
-    uint high = count;
+    uint guide = scene.environment.rows_count * (scene.environment.columns + 1u) + first;
+    uint part, unused;
+    umulExtended(random, count, part, unused);
+    uint low = scene.environment.starts[guide + part].at;
+    uint high = part + 1u < count ? scene.environment.starts[guide + part + 1u].at + 1u : count;
     while (high - low > 1u) {
         uint middle = low + (high - low) / 2u;
         if (scene.environment.starts[first + middle].at <= random) low = middle;
@@ -79,8 +89,7 @@ EnvironmentInterval environment_interval(SceneRef scene, uint first, uint count,
     uint end = low + 1u < count ? scene.environment.starts[first + low + 1u].at : 0u;
     uint span = end - start;
     float whole = span == 0u ? 4294967296.0 : float(span);
-    precise float within = (float(random - start) + 0.5) / whole;
-    return EnvironmentInterval(low, min(within, 1.0 - 1.1920929e-7), whole * (1.0 / 4294967296.0));
+    return EnvironmentInterval(low, environment_within(random - start, whole), whole * (1.0 / 4294967296.0));
 }
 
 struct EnvironmentSample {

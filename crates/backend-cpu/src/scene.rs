@@ -237,6 +237,16 @@ impl CpuScene {
 
     /// Material and shading normal of `surface` at `hit`.
     #[inline]
+    pub(crate) fn shade_matte(&self, surface: &SurfaceInteraction, hit: &Hit) -> Shaded {
+        let material = &self.materials[surface.material as usize];
+        match &self.shading {
+            Some(shading) => shading.view().shade_matte(surface, hit, material),
+            None => Shaded { material: *material, normal: surface.normal, layers: Layers::NONE },
+        }
+    }
+
+    /// Material and normal at `hit`.
+    #[inline]
     pub(crate) fn shade(&self, surface: &SurfaceInteraction, hit: &Hit) -> Shaded {
         let material = &self.materials[surface.material as usize];
         match &self.shading {

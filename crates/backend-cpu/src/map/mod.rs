@@ -92,6 +92,12 @@ impl CpuMap {
         octahedral::unpack(self.directions.get(slot as usize).copied().unwrap_or_default())
     }
 
+    /// As [`Self::direction`], but not a unit vector.
+    #[inline]
+    pub(crate) fn toward(&self, slot: u32) -> Vec3 {
+        octahedral::unpack_unnormalized(self.directions.get(slot as usize).copied().unwrap_or_default())
+    }
+
     fn arrange(index: PointIndex, photons: CpuBuffer<Photon>) -> Self {
         let order = index.order();
         let (normals, powers, directions) = match photons.photon_format() {

@@ -163,7 +163,9 @@ impl VisiblePoint {
     /// Factor on the power of a photon at a point with the shading normal `shading`.
     #[inline]
     pub(crate) fn ratio(map: &CpuMap, shading: Vec3, slot: u32) -> f32 {
-        shading_normal::cosine_ratio(map.direction(slot), map.normal(slot), shading)
+        let geometric = map.normal(slot);
+        // The ratio of a number to itself, and a quotient that the length of the direction cancels from.
+        if geometric == shading { 1.0 } else { shading_normal::cosine_ratio(map.toward(slot), geometric, shading) }
     }
 
     /// Factor on the power of a photon at a point whose reflection is `lobe`.

@@ -210,7 +210,8 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         let mut material = &scene.materials[surface.material as usize];
         let stores = material.stores_photons();
         let (evaluated, mut normal, layers) = if shaded {
-            let found = scene.shade(&surface, &hit);
+            let is_matte = !features.intersects(Features::SHADED.difference(Features::MATTE));
+            let found = if is_matte { scene.shade_matte(&surface, &hit) } else { scene.shade(&surface, &hit) };
             (Some(found.material), found.normal, found.layers)
         } else {
             (None, surface.normal, Layers::NONE)

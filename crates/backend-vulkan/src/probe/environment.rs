@@ -117,10 +117,11 @@ fn random(d: &mut Draw) -> Input {
 
 /// The intervals of a row and of a cell in it.
 fn intervals(i: &Input) -> Output {
-    let (row, within, probability) = EnvironmentMap::interval(map(i).row_starts(), i.0[4]);
+    let (row, within, probability) = EnvironmentMap::interval(map(i).row_starts(), map(i).row_guide(), i.0[4]);
     let columns = map(i).columns() as usize;
-    let starts = &map(i).column_starts()[row * columns..(row + 1) * columns];
-    let (column, within_column, probability_of_column) = EnvironmentMap::interval(starts, i.0[5]);
+    let cells = row * columns..(row + 1) * columns;
+    let (starts, guide) = (&map(i).column_starts()[cells.clone()], &map(i).column_guides()[cells]);
+    let (column, within_column, probability_of_column) = EnvironmentMap::interval(starts, guide, i.0[5]);
     output([row as f32, within, probability, 0.0, column as f32, within_column, probability_of_column, 0.0])
 }
 
@@ -133,7 +134,7 @@ fn slope(i: &Input) -> f64 {
 /// is the square root of what is left.
 fn near_the_pole(i: &Input) -> f64 {
     let words = [i.0[4], i.0[5]];
-    let (row, ..) = EnvironmentMap::interval(map(i).row_starts(), words[0]);
+    let (row, ..) = EnvironmentMap::interval(map(i).row_starts(), map(i).row_guide(), words[0]);
     let direction = map(i).sample(words).direction;
     let sine = f64::from(direction.x).hypot(f64::from(direction.z));
     if direction.y > 0.0 { 1.0 } else { 1.0 + f64::from(map(i).rows()[row].extent) / sine }

@@ -20,10 +20,11 @@ impl Rough {
 
     /// Direction and weight.
     fn sample(self, map: &EnvironmentMap, words: [u32; 2]) -> [Vec3; 2] {
-        let (row, within_row, _) = EnvironmentMap::interval(map.row_starts(), words[0]);
+        let (row, within_row, _) = EnvironmentMap::interval(map.row_starts(), map.row_guide(), words[0]);
         let columns = map.columns() as usize;
-        let starts = &map.column_starts()[row * columns..(row + 1) * columns];
-        let (column, within_column, column_probability) = EnvironmentMap::interval(starts, words[1]);
+        let cells = row * columns..(row + 1) * columns;
+        let (starts, guide) = (&map.column_starts()[cells.clone()], &map.column_guides()[cells]);
+        let (column, within_column, column_probability) = EnvironmentMap::interval(starts, guide, words[1]);
         // `interval` limits the quotient.
         let limited = |within, operation| self.divided(within, operation).min(1.0 - f32::EPSILON);
         let (within_row, within_column) = (limited(within_row, 3), limited(within_column, 4));

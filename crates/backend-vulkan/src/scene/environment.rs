@@ -23,7 +23,9 @@ struct Record {
 /// Uploads [`SceneView::environment`]; returns the address of its record, or 0 without one.
 pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>) -> Result<u64> {
     let Some(map) = view.environment else { return Ok(0) };
-    let starts = [map.row_starts(), map.column_starts()].concat();
+    // The guide tables follow the starts, entry for entry.
+    let guides = map.row_guide().iter().chain(map.column_guides()).map(|&index| u32::from(index));
+    let starts: Vec<u32> = map.row_starts().iter().chain(map.column_starts()).copied().chain(guides).collect();
     let record = Record {
         texels: upload.table("environment", map.texels())?,
         rows: upload.table("environment", map.rows())?,

@@ -79,6 +79,9 @@ impl Features {
     pub const NONE: Self = Self::empty();
     /// All features.
     pub const ALL: Self = Self::all();
+    /// Those of [`Self::SHADED`] that diffuse surfaces may have.
+    pub const MATTE: Self =
+        Self::TEXTURES.union(Self::SHADING_NORMALS).union(Self::NORMAL_MAPS).union(Self::VERTEX_COLORS);
     /// All that shading reads tables for: vertex attributes, textures, and the albedos of glossy surfaces.
     pub const SHADED: Self = Self::TEXTURES
         .union(Self::SHADING_NORMALS)

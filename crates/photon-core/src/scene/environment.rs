@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use crate::error::{Error, Result};
-use crate::scene::light_cdf;
+use crate::scene::{guide, light_cdf};
 
 /// Radiance by direction: an image in latitude and longitude, and the cells by which directions are sampled.
 ///
@@ -23,6 +23,8 @@ pub struct EnvironmentMap {
     rows: Arc<[EnvironmentRow]>,
     row_starts: Arc<[u32]>,
     column_starts: Arc<[u32]>,
+    row_guide: Arc<[u16]>,
+    column_guides: Arc<[u16]>,
     columns: u32,
     step: u32,
     rotation: f32,
@@ -84,6 +86,8 @@ impl EnvironmentMap {
             rows: Arc::default(),
             row_starts: Arc::default(),
             column_starts: Arc::default(),
+            row_guide: Arc::default(),
+            column_guides: Arc::default(),
             columns: width.div_ceil(step),
             step,
             rotation: rotation.rem_euclid(1.0) as f32,
@@ -131,6 +135,8 @@ impl EnvironmentMap {
             probability: probability(row),
         });
         self.rows = rows.collect();
+        self.row_guide = guide::table(&row_starts).into();
+        self.column_guides = starts.chunks(self.columns as usize).flat_map(guide::table).collect();
         self.row_starts = row_starts.into();
         self.column_starts = starts.into();
     }
@@ -203,6 +209,19 @@ impl EnvironmentMap {
     #[must_use]
     pub fn column_starts(&self) -> &[u32] {
         &self.column_starts
+    }
+
+    /// For as many equal parts of the range of a random `u32` as there are rows of cells: the row in whose interval the part
+    /// begins.
+    #[must_use]
+    pub fn row_guide(&self) -> &[u16] {
+        &self.row_guide
+    }
+
+    /// The same for the cells of each row, one row after another.
+    #[must_use]
+    pub fn column_guides(&self) -> &[u16] {
+        &self.column_guides
     }
 
     /// Cells in a row.

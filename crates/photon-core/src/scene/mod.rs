@@ -4,6 +4,7 @@ pub(crate) mod camera;
 pub(crate) mod caster;
 mod digest;
 pub(crate) mod environment;
+pub(crate) mod guide;
 pub(crate) mod layout;
 pub(crate) mod light;
 pub(crate) mod light_shares;

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use crate::scene::environment::EnvironmentMap;
-use crate::scene::pick_light;
-use crate::shading::math::{sin_cos_turns, turns_of};
+use crate::scene::guide;
+use crate::shading::math::{floor, sin_cos_turns, turns_of};
 
 /// A sampled direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ impl EnvironmentMap {
         let across = (direction.x * direction.x + direction.z * direction.z).sqrt();
         let from_centre = turns_of(direction.x.abs(), -direction.z);
         let u = 0.5 + from_centre.copysign(direction.x) + self.rotation();
-        self.bilinear(u - u.floor(), 2.0 * turns_of(across, direction.y))
+        self.bilinear(u - floor(u), 2.0 * turns_of(across, direction.y))
     }
 
     /// The image at (u, v), both in `[0, 1]`: radiance without the map's rotation.
@@ -35,7 +35,7 @@ impl EnvironmentMap {
     pub fn bilinear(&self, u: f32, v: f32) -> Vec3 {
         let (width, height) = (self.width(), self.height());
         let (x, y) = (u * width as f32 - 0.5, v * height as f32 - 0.5);
-        let (left, above) = (x.floor(), y.floor());
+        let (left, above) = (floor(x), floor(y));
         let (across, down) = (x - left, y - above);
         let first = if left < 0.0 { width - 1 } else { (left as u32).min(width - 1) };
         let second = if first + 1 == width { 0 } else { first + 1 };
@@ -52,11 +52,11 @@ impl EnvironmentMap {
     }
 
     /// The interval of `starts` that contains `random`: its index, the position in it, in `(0, 1)`, and its probability.
-    /// `starts` are those of the rows or of the cells of a row, and begin with 0.
+    /// `starts` are those of the rows or of the cells of a row, and begin with 0; `guide` is the guide table of them.
     #[inline]
     #[must_use]
-    pub fn interval(starts: &[u32], random: u32) -> (usize, f32, f32) {
-        let index = pick_light(starts, random);
+    pub fn interval(starts: &[u32], guide: &[u16], random: u32) -> (usize, f32, f32) {
+        let index = guide::pick(starts, guide, random);
         // The last interval ends at 2³², so that the difference wraps around; a single one is the whole range.
         let end = starts.get(index + 1).copied().unwrap_or(0);
         let span = end.wrapping_sub(starts[index]);
@@ -70,10 +70,11 @@ impl EnvironmentMap {
     #[inline]
     #[must_use]
     pub fn sample(&self, words: [u32; 2]) -> EnvironmentSample {
-        let (row, within_row, _) = Self::interval(self.row_starts(), words[0]);
+        let (row, within_row, _) = Self::interval(self.row_starts(), self.row_guide(), words[0]);
         let columns = self.columns() as usize;
-        let starts = &self.column_starts()[row * columns..(row + 1) * columns];
-        let (column, within_column, column_probability) = Self::interval(starts, words[1]);
+        let cells = row * columns..(row + 1) * columns;
+        let (starts, guide) = (&self.column_starts()[cells.clone()], &self.column_guides()[cells]);
+        let (column, within_column, column_probability) = Self::interval(starts, guide, words[1]);
         let cell = self.rows()[row];
         // From the nearer pole, where differences are small.
         let height = cell.extent * within_row;
@@ -87,7 +88,7 @@ impl EnvironmentMap {
         let first = (column as u32 * self.step()) as f32;
         let texels = ((column as u32 + 1) * self.step()).min(self.width()) as f32 - first;
         let turns = (first + 0.5 + texels * within_column) * span - 0.5 - self.rotation();
-        let (sin, cos) = sin_cos_turns(turns - turns.floor());
+        let (sin, cos) = sin_cos_turns(turns - floor(turns));
         let direction = Vec3::new(sin * sine, cosine, -cos * sine);
         let solid_angle = 4.0 * std::f32::consts::PI * cell.extent * (texels * span);
         let probability = cell.probability * column_probability;
@@ -104,7 +105,7 @@ impl EnvironmentMap {
         let from_centre = turns_of(direction.x.abs(), -direction.z);
         let u = 0.5 + from_centre.copysign(direction.x) + self.rotation();
         // Cells begin at the centres of texels: the first row above the first centres, the first column at the first.
-        let x = (u - u.floor()) * self.width() as f32 - 0.5;
+        let x = (u - floor(u)) * self.width() as f32 - 0.5;
         let column = if x < 0.0 { self.width() - 1 } else { (x as u32).min(self.width() - 1) } / self.step();
         let y = 2.0 * turns_of(across, direction.y) * self.height() as f32 + 0.5;
         let row = (y as u32).min(self.height()) / self.step();

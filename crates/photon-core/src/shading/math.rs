@@ -22,6 +22,18 @@ pub fn sin_cos_turns(t: f32) -> (f32, f32) {
     }
 }
 
+/// `t.floor()`, without a call of the system's library, which processors before SSE4.1 need for it.
+#[inline]
+#[must_use]
+pub fn floor(t: f32) -> f32 {
+    // From 2²³ on all numbers are whole. NaN is returned as it is.
+    if !(t.abs() < 8_388_608.0) {
+        return t;
+    }
+    let whole = t as i32 as f32;
+    if whole > t { whole - 1.0 } else { whole }
+}
+
 /// `exp(-tau)` for `tau` ≥ 0; relative error below 2⁻²¹. Exactly 1 at 0, exactly 0 from 87 on, where the
 /// result would be subnormal; 0 for infinity and NaN.
 #[inline]
@@ -107,6 +119,22 @@ pub fn cube_root(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::SplitMix64;
+
+    #[test]
+    fn floors_are_those_of_the_library() {
+        let mut numbers = SplitMix64(3);
+        let any = (0..200_000).map(|_| f32::from_bits(numbers.word() as u32));
+        let mut small = SplitMix64(4);
+        let near = (0..200_000).map(|_| (small.unit() - 0.5) * 64.0);
+        let special = [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 8_388_607.5, -8_388_607.5, 8_388_608.0, -8_388_609.0, -1e-30];
+        for t in any.chain(near).chain(special).chain([f32::MAX, f32::INFINITY, f32::NEG_INFINITY]) {
+            if !t.is_nan() {
+                assert_eq!(floor(t), t.floor(), "{t}");
+            }
+        }
+        assert!(floor(f32::NAN).is_nan());
+    }
 
     #[test]
     fn sine_and_cosine() {

@@ -43,6 +43,19 @@ impl Shading<'_> {
     #[inline]
     #[must_use]
     pub fn shade(&self, surface: &SurfaceInteraction, hit: &Hit, material: &Material) -> Shaded {
+        self.shade_as::<false>(surface, hit, material)
+    }
+
+    /// The same, if no material of the scene has more than a base colour, emission and a normal map:
+    /// [`crate::Features::MATTE`].
+    #[inline]
+    #[must_use]
+    pub fn shade_matte(&self, surface: &SurfaceInteraction, hit: &Hit, material: &Material) -> Shaded {
+        self.shade_as::<true>(surface, hit, material)
+    }
+
+    #[inline(always)]
+    fn shade_as<const MATTE: bool>(&self, surface: &SurfaceInteraction, hit: &Hit, material: &Material) -> Shaded {
         let corners = Corners::of(hit);
         let mut shaded = *material;
         let mut layers = Layers::NONE;
@@ -59,59 +72,8 @@ impl Shading<'_> {
             if let Some(color) = self.sample(textures.emission, &corners) {
                 shaded.emission = (Vec3::from(shaded.emission) * color).to_array();
             }
-            if let Some(color) = self.sample(textures.metallic_roughness, &corners) {
-                shaded.roughness *= color.y;
-                shaded.metallic *= color.z;
-            }
-            if material.has_partial_transmission() {
-                let share = self.glass_share_at(&corners, material);
-                shaded.metallic = partial_transmission::opaque_metallic(shaded.metallic, share);
-            }
-            if let Some([.., alpha]) = self.texel(textures.specular, &corners) {
-                shaded.specular *= alpha;
-            }
-            if textures.has_specular_color() {
-                layers.specular_color = textures.specular_color_factor.into();
-                if let Some(color) = self.sample(textures.specular_color, &corners) {
-                    layers.specular_color *= color;
-                }
-            }
-            if textures.clearcoat_factor > 0.0 {
-                (layers.clearcoat, layers.clearcoat_roughness) = self.clearcoat(textures, &corners);
-            }
-            if let Some(anisotropy) = self.tables.anisotropies.get(textures.anisotropy as usize) {
-                let texel = self.sample(anisotropy.texture, &corners);
-                let (strength, direction) = direction(anisotropy, texel);
-                layers = layers.with_anisotropy(strength, self.tangent(&corners, normal, direction));
-            }
-            let index = (material.textures as usize).wrapping_sub(1);
-            let coat = self.tables.clearcoat_normals.get(index).filter(|coat| coat.is_own != 0);
-            if let Some(coat) = coat.filter(|_| textures.clearcoat_factor > 0.0) {
-                let turned = self
-                    .sample(coat.texture, &corners)
-                    .map_or(normal, |texel| self.mapped_normal(&corners, normal, texel, coat.scale));
-                let turned = bend(turned, front);
-                layers = layers.with_coat_normal(if surface.front { turned } else { -turned });
-            }
-            if let Some(entry) = self.tables.diffuse_transmissions.get(index) {
-                let (mut share, mut color) = (entry.factor, Vec3::from(entry.color));
-                if let Some([.., alpha]) = self.texel(entry.factor_texture, &corners) {
-                    share *= alpha;
-                }
-                if let Some(texel) = self.sample(entry.color_texture, &corners) {
-                    color *= texel;
-                }
-                layers = layers.with_diffuse_transmission(share, color);
-            }
-            if let Some(sheen) = self.tables.sheens.get(index) {
-                let (mut color, mut roughness) = (Vec3::from(sheen.color), sheen.roughness);
-                if let Some(texel) = self.sample(sheen.color_texture, &corners) {
-                    color *= texel;
-                }
-                if let Some([.., alpha]) = self.texel(sheen.roughness_texture, &corners) {
-                    roughness *= alpha;
-                }
-                layers = layers.with_sheen(color, roughness);
+            if !MATTE {
+                self.shade_layers((&mut shaded, &mut layers), (material, textures), &corners, (surface, front, normal));
             }
             if let Some(texel) = self.sample(textures.normal, &corners) {
                 normal = self.mapped_normal(&corners, normal, texel, textures.normal_scale);
@@ -119,6 +81,72 @@ impl Shading<'_> {
         }
         let normal = bend(normal, front);
         Shaded { material: shaded, normal: if surface.front { normal } else { -normal }, layers }
+    }
+
+    /// What glossy surfaces and sheets have beyond a base colour: adapts `shaded` and `layers`. `front` is the geometric normal
+    /// on the front, `normal` the vertex normal.
+    #[inline]
+    fn shade_layers(
+        &self,
+        (shaded, layers): (&mut Material, &mut Layers),
+        (material, textures): (&Material, &MaterialTextures),
+        corners: &Corners,
+        (surface, front, normal): (&SurfaceInteraction, Vec3, Vec3),
+    ) {
+        if let Some(color) = self.sample(textures.metallic_roughness, corners) {
+            shaded.roughness *= color.y;
+            shaded.metallic *= color.z;
+        }
+        if material.has_partial_transmission() {
+            let share = self.glass_share_at(corners, material);
+            shaded.metallic = partial_transmission::opaque_metallic(shaded.metallic, share);
+        }
+        if let Some([.., alpha]) = self.texel(textures.specular, corners) {
+            shaded.specular *= alpha;
+        }
+        if textures.has_specular_color() {
+            layers.specular_color = textures.specular_color_factor.into();
+            if let Some(color) = self.sample(textures.specular_color, corners) {
+                layers.specular_color *= color;
+            }
+        }
+        if textures.clearcoat_factor > 0.0 {
+            (layers.clearcoat, layers.clearcoat_roughness) = self.clearcoat(textures, corners);
+        }
+        if let Some(anisotropy) = self.tables.anisotropies.get(textures.anisotropy as usize) {
+            let texel = self.sample(anisotropy.texture, corners);
+            let (strength, direction) = direction(anisotropy, texel);
+            *layers = layers.with_anisotropy(strength, self.tangent(corners, normal, direction));
+        }
+        let index = (material.textures as usize).wrapping_sub(1);
+        let coat = self.tables.clearcoat_normals.get(index).filter(|coat| coat.is_own != 0);
+        if let Some(coat) = coat.filter(|_| textures.clearcoat_factor > 0.0) {
+            let turned = self
+                .sample(coat.texture, corners)
+                .map_or(normal, |texel| self.mapped_normal(corners, normal, texel, coat.scale));
+            let turned = bend(turned, front);
+            *layers = layers.with_coat_normal(if surface.front { turned } else { -turned });
+        }
+        if let Some(entry) = self.tables.diffuse_transmissions.get(index) {
+            let (mut share, mut color) = (entry.factor, Vec3::from(entry.color));
+            if let Some([.., alpha]) = self.texel(entry.factor_texture, corners) {
+                share *= alpha;
+            }
+            if let Some(texel) = self.sample(entry.color_texture, corners) {
+                color *= texel;
+            }
+            *layers = layers.with_diffuse_transmission(share, color);
+        }
+        if let Some(sheen) = self.tables.sheens.get(index) {
+            let (mut color, mut roughness) = (Vec3::from(sheen.color), sheen.roughness);
+            if let Some(texel) = self.sample(sheen.color_texture, corners) {
+                color *= texel;
+            }
+            if let Some([.., alpha]) = self.texel(sheen.roughness_texture, corners) {
+                roughness *= alpha;
+            }
+            *layers = layers.with_sheen(color, roughness);
+        }
     }
 
     /// The probability with which the surface, whose material is `material`, is there at `hit`: its alpha, or with a

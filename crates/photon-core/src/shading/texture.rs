@@ -4,6 +4,7 @@
 //! additions and multiplications alone.
 
 use crate::scene::texture::{Filter, TexelFormat, Texture, TextureUse, Wrap};
+use crate::shading::math::floor;
 
 /// The values of the bytes of a texel: linear, and decoded from sRGB. See [`byte_values`].
 pub type ByteValues = [[f32; 256]; 2];
@@ -35,9 +36,35 @@ pub fn transform(used: &TextureUse, [u, v]: [f32; 2]) -> [f32; 2] {
 pub fn lookup(texture: &Texture, values: &ByteValues, uv: [f32; 2]) -> [f32; 4] {
     let (left, right, across) = axis(uv[0], texture.width, texture.wrap[0], texture.filter);
     let (upper, lower, down) = axis(uv[1], texture.height, texture.wrap[1], texture.filter);
+    let places = [left, right, upper, lower];
+    let shares = [across, down];
+    let texels = &*texture.texels;
+    let bytes = |colors: &[f32; 256], index: usize| {
+        let [r, g, b, a] = texels[index].to_le_bytes().map(usize::from);
+        [colors[r], colors[g], colors[b], values[0][a]]
+    };
+    // The format is looked at once, not for each texel.
+    match texture.format {
+        TexelFormat::Linear8 => bilinear(texture.width, places, shares, |index| bytes(&values[0], index)),
+        TexelFormat::Srgb8 => bilinear(texture.width, places, shares, |index| bytes(&values[1], index)),
+        TexelFormat::Float32 => bilinear(texture.width, places, shares, |index| {
+            std::array::from_fn(|c| f32::from_bits(texels[4 * index + c]))
+        }),
+    }
+}
+
+/// The mean of four texels by their weights; `texel` has them by index.
+#[inline(always)]
+fn bilinear(
+    width: u32,
+    [left, right, upper, lower]: [u32; 4],
+    [across, down]: [f32; 2],
+    texel: impl Fn(usize) -> [f32; 4],
+) -> [f32; 4] {
     let row = |y: u32| {
-        let from = texel(texture, values, left, y);
-        if across == 0.0 { from } else { mix(from, texel(texture, values, right, y), across) }
+        let start = y as usize * width as usize;
+        let from = texel(start + left as usize);
+        if across == 0.0 { from } else { mix(from, texel(start + right as usize), across) }
     };
     let first = row(upper);
     if down == 0.0 { first } else { mix(first, row(lower), down) }
@@ -50,9 +77,9 @@ pub fn lookup(texture: &Texture, values: &ByteValues, uv: [f32; 2]) -> [f32; 4] 
 pub fn axis(coordinate: f32, size: u32, wrap: Wrap, filter: Filter) -> (u32, u32, f32) {
     let t = if coordinate.is_finite() { coordinate } else { 0.0 };
     let inside = match wrap {
-        Wrap::Repeat => t - t.floor(),
+        Wrap::Repeat => t - floor(t),
         Wrap::Mirror => {
-            let twice = t - 2.0 * (0.5 * t).floor();
+            let twice = t - 2.0 * floor(0.5 * t);
             if twice > 1.0 { 2.0 - twice } else { twice }
         }
         Wrap::Clamp => t.clamp(0.0, 1.0),
@@ -64,7 +91,7 @@ pub fn axis(coordinate: f32, size: u32, wrap: Wrap, filter: Filter) -> (u32, u32
         return (texel, texel, 0.0);
     }
     let from_centre = place - 0.5;
-    let below = from_centre.floor();
+    let below = floor(from_centre);
     let repeats = wrap == Wrap::Repeat;
     let first = if below < 0.0 { if repeats { last } else { 0 } } else { (below as u32).min(last) };
     let second = (below + 1.0) as u32;
@@ -74,20 +101,6 @@ pub fn axis(coordinate: f32, size: u32, wrap: Wrap, filter: Filter) -> (u32, u32
         false => second,
     };
     (first, second, from_centre - below)
-}
-
-#[inline]
-fn texel(texture: &Texture, values: &ByteValues, x: u32, y: u32) -> [f32; 4] {
-    let index = y as usize * texture.width as usize + x as usize;
-    let colors = match texture.format {
-        TexelFormat::Linear8 => &values[0],
-        TexelFormat::Srgb8 => &values[1],
-        TexelFormat::Float32 => {
-            return std::array::from_fn(|c| f32::from_bits(texture.texels[4 * index + c]));
-        }
-    };
-    let [r, g, b, a] = texture.texels[index].to_le_bytes().map(usize::from);
-    [colors[r], colors[g], colors[b], values[0][a]]
 }
 
 #[inline]

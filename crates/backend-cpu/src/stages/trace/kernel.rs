@@ -22,8 +22,14 @@ const ALL: u64 = Features::DIFFUSE
     .union(Features::THIN)
     .union(Features::ABSORPTION)
     .bits() as u64;
+/// The kernel for diffuse surfaces with textures or shading normals.
+const MATTE: u64 = Features::DIFFUSE.union(Features::MATTE).bits() as u64;
 /// The kernel for surfaces with textures or shading normals, with all lobes.
 pub(super) const SHADED: u64 = ALL | NESTED | Features::SHADED.bits() as u64;
+
+/// Lobes, and what surfaces have beside them, less alpha.
+const SURFACES: Features =
+    Features::SPECULAR.union(Features::ABSORPTION).union(Features::SHADED).union(Features::PARTIAL_TRANSMISSION);
 
 /// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those
 /// where a random word decides what a ray meets have one kernel each with all lobes.
@@ -35,6 +41,14 @@ pub(super) fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
     let mirrors = features.intersects(Features::MIRROR);
     let absorbs = features.intersects(Features::ABSORPTION);
     let lobes = (features.intersects(GLASS), absorbs, mirrors);
+    // Nothing on surfaces but what diffuse ones have: paths are not aimed, and there are no solids.
+    let is_matte = !features.intersects(SURFACES.difference(D.union(Features::MATTE))) && !aimed && !nested;
+    if is_matte && features.intersects(Features::RANDOM_SURFACES) {
+        return follow::<{ MATTE | Features::ALPHA.bits() as u64 }>;
+    }
+    if is_matte && features.intersects(Features::SHADED) {
+        return follow::<MATTE>;
+    }
     if features.intersects(Features::RANDOM_SURFACES) {
         const RANDOM: u64 = SHADED | Features::RANDOM_SURFACES.bits() as u64;
         return if aimed { follow::<{ RANDOM | AIMED }> } else { follow::<RANDOM> };

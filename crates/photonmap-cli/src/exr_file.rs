@@ -17,13 +17,27 @@ use crate::fault::Fault;
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
 pub fn write(path: &Path, film: &Film, alpha: bool, attributes: &[(String, String)]) -> std::result::Result<(), Fault> {
+    write_as(path, film, film.beauty(), alpha, attributes)
+}
+
+/// As [`write()`], with another picture of as many pixels in `R G B`, for example a denoised one.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_as(
+    path: &Path,
+    film: &Film,
+    picture: Vec<[f32; 3]>,
+    alpha: bool,
+    attributes: &[(String, String)],
+) -> std::result::Result<(), Fault> {
     let mut channels: Vec<(String, Vec<f32>)> = Vec::new();
     let mut triple = |names: [String; 3], values: Vec<[f32; 3]>| {
         for (axis, name) in names.into_iter().enumerate() {
             channels.push((name, values.iter().map(|v| v[axis]).collect()));
         }
     };
-    triple(["R", "G", "B"].map(str::to_owned), film.beauty());
+    triple(["R", "G", "B"].map(str::to_owned), picture);
     for part in Part::ALL {
         triple(["R", "G", "B"].map(|c| format!("{}.{c}", part.name())), film.layer(part));
     }

@@ -1,11 +1,12 @@
 //! The parts of the program `photonmap`: its commands, and what the studies of this project share with it
 //! (backends, pictures in files, reports, error measures).
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod args;
 pub mod atomic_write;
 pub mod backend;
 pub mod command;
+pub mod denoise;
 pub mod difference;
 pub mod exposure;
 pub mod exr_file;

@@ -26,7 +26,13 @@ impl Picture {
     /// The picture of a film, with alpha if the background is `transparent`.
     #[must_use]
     pub fn new(film: &Film, transparent: bool) -> Self {
-        let (mut colours, alpha) = (film.beauty(), transparent.then(|| film.alpha()));
+        Self::of(film, film.beauty(), transparent)
+    }
+
+    /// The same with other colours of as many pixels, for example denoised ones.
+    #[must_use]
+    pub fn of(film: &Film, mut colours: Vec<[f32; 3]>, transparent: bool) -> Self {
+        let alpha = transparent.then(|| film.alpha());
         for (colour, alpha) in colours.iter_mut().zip(alpha.iter().flatten()) {
             *colour = colour.map(|part| if *alpha > 0.0 { part / alpha } else { 0.0 });
         }

@@ -87,6 +87,12 @@ pub struct OutputArgs {
     /// and colours are premultiplied; in a PNG, they are not.
     #[arg(long, hide_short_help = true)]
     pub transparent: bool,
+    /// Denoise the finished picture by Open Image Denoise 2, which has to be installed.
+    ///
+    /// It is guided by albedos and normals. With --errors, the mean of red, green and blue stays within the claimed error of
+    /// the pixel, where there is one. An EXR says so; its layers are not denoised.
+    #[arg(long, conflicts_with = "transparent", hide_short_help = true)]
+    pub denoise: bool,
     /// Write a report in JSON: counters, times, memory, warnings; `-` for standard output.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub json: Option<PathBuf>,

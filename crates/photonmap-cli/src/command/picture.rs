@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use photon_core::Film;
 
+use crate::denoise::Denoiser;
 use crate::exposure::{self, Exposure};
 use crate::fault::Fault;
 use crate::png_file::Picture;
@@ -27,6 +28,9 @@ pub struct PictureArgs {
     /// Tone curve of the PNG.
     #[arg(long, value_enum, default_value_t = ToneMap::Neutral)]
     tonemap: ToneMap,
+    /// Denoise the picture by Open Image Denoise 2, which has to be installed; as in `photonmap render`.
+    #[arg(long)]
+    denoise: bool,
 }
 
 /// How a film becomes a picture.
@@ -55,8 +59,15 @@ pub fn run(args: &PictureArgs) -> Result<(), Fault> {
         check_name(path)?;
         atomic_write::check(path)?;
     }
+    let denoiser = if args.denoise { Some(Denoiser::load()?) } else { None };
     let (film, info) = photon_film::load(&args.film)?;
     let transparent = info.key.settings().any(|setting| setting == ("transparent_background", "true"));
+    if transparent && args.denoise {
+        return Err(Fault::input(format!(
+            "{}: films with a transparent background cannot be denoised; leave out --denoise",
+            args.film.display()
+        )));
+    }
     let look = Look { transparent, exposure: args.exposure, tonemap: args.tonemap };
     let settings: Vec<String> = info.key.settings().map(|(name, value)| format!("{name}: {value}")).collect();
     let makers: Vec<&str> = info.makers.iter().map(|maker| maker.device.as_str()).collect();
@@ -68,11 +79,34 @@ pub fn run(args: &PictureArgs) -> Result<(), Fault> {
         ("photon:device", makers.join(", ")),
     ];
     let attributes = attributes.map(|(name, value)| (name.to_owned(), value));
+    let (shown, denoised) = shown(&film, denoiser.as_ref());
     for path in &args.output {
-        write(path, &film, look, &attributes)?;
+        write(path, &shown, look, &attributes)?;
         eprintln!("wrote {}: {} passes", path.display(), film.passes);
     }
-    Ok(())
+    denoised
+}
+
+/// A film and the colours that are shown of it.
+pub(super) struct Shown<'a> {
+    film: &'a Film,
+    pixels: Vec<[f32; 3]>,
+    /// How they were denoised.
+    note: Option<String>,
+}
+
+/// The colours of a film, denoised or as they are. If denoising fails, they are as they are, and the fault is returned too: it
+/// is reported after the pictures have been written.
+pub(super) fn shown<'a>(film: &'a Film, denoiser: Option<&Denoiser>) -> (Shown<'a>, Result<(), Fault>) {
+    let as_it_is = || Shown { film, pixels: film.beauty(), note: None };
+    let Some(denoiser) = denoiser else { return (as_it_is(), Ok(())) };
+    match denoiser.denoise(film) {
+        Ok(denoised) => {
+            eprintln!("denoised by {}", denoised.note);
+            (Shown { film, pixels: denoised.pixels, note: Some(denoised.note) }, Ok(()))
+        }
+        Err(fault) => (as_it_is(), Err(fault)),
+    }
 }
 
 /// Checks that a name is that of a picture.
@@ -89,25 +123,36 @@ pub(super) fn is_exr(path: &Path) -> bool {
 }
 
 /// Writes the picture of a film, and prints an automatic exposure; an EXR has the attributes.
-pub(super) fn write(path: &Path, film: &Film, look: Look, attributes: &[(String, String)]) -> Result<(), Fault> {
-    let stops = write_quietly(path, film, look, attributes)?;
+pub(super) fn write(path: &Path, shown: &Shown<'_>, look: Look, attributes: &[(String, String)]) -> Result<(), Fault> {
+    let denoised = shown.note.iter().map(|note| ("photon:denoised".to_owned(), note.clone()));
+    let attributes: Vec<(String, String)> = attributes.iter().cloned().chain(denoised).collect();
+    let stops = write_colours(path, (shown.film, shown.pixels.clone()), look, &attributes)?;
     if let Some(stops) = stops.filter(|_| look.exposure == Exposure::Auto) {
         eprintln!("exposure of {}: {stops:.2} stops", path.display());
     }
     Ok(())
 }
 
-/// As [`write()`], without a message. Returns the exposure of a PNG.
+/// As [`write()`], of a film as it is and without a message. Returns the exposure of a PNG.
 pub(crate) fn write_quietly(
     path: &Path,
     film: &Film,
     look: Look,
     attributes: &[(String, String)],
 ) -> Result<Option<f32>, Fault> {
+    write_colours(path, (film, film.beauty()), look, attributes)
+}
+
+fn write_colours(
+    path: &Path,
+    (film, colours): (&Film, Vec<[f32; 3]>),
+    look: Look,
+    attributes: &[(String, String)],
+) -> Result<Option<f32>, Fault> {
     if is_exr(path) {
-        return exr_file::write(path, film, look.transparent, attributes).map(|()| None);
+        return exr_file::write_as(path, film, colours, look.transparent, attributes).map(|()| None);
     }
-    let picture = Picture::new(film, look.transparent);
+    let picture = Picture::of(film, colours, look.transparent);
     let stops = look.exposure.stops(&exposure::measured(&picture.colours, &film.alpha()));
     png_file::write(path, &picture, look.tonemap, stops).map(|()| Some(stops))
 }

@@ -6,13 +6,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use photon_core::{Film, LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
+use photon_core::{LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
 use photon_scene::{LoadReport, Scene};
 
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen, Opened};
-use crate::command::picture::{self, Look};
+use crate::command::picture::{self, Look, Shown};
 use crate::command::{photon_share, render_blocks, render_film, render_passes, timed};
+use crate::denoise::Denoiser;
 use crate::fault::Fault;
 use crate::report::{self, Details};
 use crate::watch::Watch;
@@ -31,6 +32,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     render_film::check(args)?;
     let json = args.files.json.iter().filter(|path| path.as_os_str() != "-");
     outputs.iter().chain(json).try_for_each(|path| atomic_write::check(path))?;
+    let denoiser = if args.files.denoise { Some(Denoiser::load()?) } else { None };
     let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
     let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
     let begun = Instant::now();
@@ -93,8 +95,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     if let Some((path, Ok(true))) = &filed {
         written.push(format!("{} ({} passes)", path.display(), film.passes));
     }
+    let (shown, denoised) = picture::shown(&film, denoiser.as_ref());
     for output in &outputs {
-        save(args, output, (&film, look), renderer, &details)?;
+        save(args, output, (&shown, film.passes, look), renderer, &details)?;
         written.push(output.display().to_string());
     }
     if let Some(path) = &args.files.json {
@@ -123,7 +126,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let (passes, paths) = (outcome.passes, renderer.facts().photons);
     let written = if written.is_empty() { "nothing".to_owned() } else { written.join(", ") };
     eprintln!("wrote {written}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}");
-    Ok(())
+    denoised
 }
 
 /// The scene, the seconds that loading it took, and the backend, which is opened meanwhile: that takes a GPU's driver half a
@@ -285,12 +288,12 @@ fn pipeline<B: TransportBackend>(
 fn save(
     args: &RenderArgs,
     path: &Path,
-    (film, look): (&Film, Look),
+    (shown, passes, look): (&Shown<'_>, u32, Look),
     renderer: &dyn Render,
     details: &Details<'_>,
 ) -> Result<(), Fault> {
     if !picture::is_exr(path) {
-        return picture::write(path, film, look, &[]);
+        return picture::write(path, shown, look, &[]);
     }
     let facts = renderer.facts();
     let seconds: Vec<String> = photon_core::Stage::ALL
@@ -300,7 +303,7 @@ fn save(
     let mut attributes = vec![
         ("photon:scene", args.scene.scene.clone()),
         ("photon:seed", args.settings.photon.seed.to_string()),
-        ("photon:passes", film.passes.to_string()),
+        ("photon:passes", passes.to_string()),
         ("photon:photons_per_pass", facts.photons.to_string()),
         ("photon:settings", format!("{:?}", details.settings)),
         ("photon:backend", facts.backend.to_owned()),
@@ -311,5 +314,5 @@ fn save(
     attributes.extend(details.environment.map(|text| ("photon:environment", text.to_owned())));
     let attributes: Vec<(String, String)> =
         attributes.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    picture::write(path, film, look, &attributes)
+    picture::write(path, shown, look, &attributes)
 }

@@ -5,6 +5,8 @@ mod backends;
 mod blender;
 mod commands;
 mod compare;
+#[cfg(unix)]
+mod denoise;
 mod environment;
 mod export;
 mod files;

@@ -6,6 +6,9 @@
 #[path = "../../crates/photonmap-cli/src/fault.rs"]
 mod fault;
 #[allow(dead_code, reason = "only what reads arrays is of interest")]
+#[path = "../../crates/photonmap-cli/src/memory.rs"]
+mod memory;
+#[allow(dead_code, reason = "only what reads arrays is of interest")]
 #[path = "../../crates/photonmap-cli/src/npy.rs"]
 mod npy;
 #[allow(dead_code, reason = "only what reads arrays is of interest")]

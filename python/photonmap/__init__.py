@@ -9,6 +9,7 @@ from ._progress import Progress
 from ._render import builtin_scenes, render
 from ._scene import Scene
 from ._settings import Settings
+from ._texture import Texture
 
 __version__ = "0.1.0"
 
@@ -32,6 +33,7 @@ __all__ = [
     "Progress",
     "Scene",
     "Settings",
+    "Texture",
     "builtin_scenes",
     "render",
     "trace",

@@ -15,6 +15,7 @@ import warnings
 from collections import Counter
 from typing import Any, Callable, Generator
 
+from ._early import SPILLED, EarlyBlocks
 from ._errors import DeviceError, Error, FileError, InputError
 from ._job import Job, work
 from ._photonmap import RawFilm
@@ -61,7 +62,7 @@ def render_blocks(
     if executor is None:
         blocks = _local(job, starts, grain, radii, reporter)
     else:
-        blocks = _remote(job, starts, grain, radii, executor, window, retries)
+        blocks = _remote(job, starts, grain, radii, executor, window, retries, path)
     unsaved, written, is_checked = False, time.monotonic(), film is None
     try:
         for block in blocks:
@@ -124,8 +125,9 @@ def _remote(
     executor: Any,
     window: int | None,
     retries: int,
+    path: str | None,
 ) -> Generator[RawFilm, None, None]:
-    """Blocks in order. At most `window` blocks are asked for, or wait for an earlier one, at a time."""
+    """Blocks in order. At most `window` blocks wait for an earlier one in memory, and are being rendered, at a time."""
     payload = pickle.dumps(job, protocol=pickle.HIGHEST_PROTOCOL)
     key = hashlib.sha256(payload).hexdigest()
     make: Callable[[], Any] | None = None if hasattr(executor, "submit") else executor
@@ -135,7 +137,7 @@ def _remote(
     # Blocks to ask for before these: those that were lost, the first one last.
     waiting: list[int] = []
     running: dict[Any, int] = {}
-    early: dict[int, RawFilm] = {}
+    early = EarlyBlocks(room, path)
     losses: Counter[int] = Counter()
 
     def lose(lost: list[int], why: BaseException) -> None:
@@ -153,7 +155,7 @@ def _remote(
         for expected in starts:
             while expected not in early:
                 try:
-                    while len(running) + len(early) < room:
+                    while len(running) < room and len(running) + len(early) < SPILLED * room:
                         if not waiting:
                             waiting.extend(itertools.islice(upcoming, 1))
                         if not waiting:
@@ -162,8 +164,8 @@ def _remote(
                         waiting.pop()
                     done, _ = futures.wait(list(running), timeout=1.0, return_when=futures.FIRST_COMPLETED)
                     for future in done:
-                        early[running[future]] = future.result()._raw
-                        del running[future]
+                        film = future.result()._raw
+                        early.add(running.pop(future), film)
                 except Exception as why:
                     if isinstance(why, Error) or not (isinstance(why, _LOST) or type(why).__name__ in _LOST_NAMES):
                         raise
@@ -186,6 +188,7 @@ def _remote(
                         lose(lost, why)
             yield early.pop(expected)
     finally:
+        early.close()
         for future in running:
             future.cancel()
         if make is not None:

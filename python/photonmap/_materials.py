@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ._errors import InputError
+from ._texture import Texture
 
 __all__ = ["Glass", "Lambert", "Material", "Metal", "Mirror", "Plastic"]
 
@@ -47,6 +48,18 @@ def diffuse_transmission(share: Any, color: Any) -> tuple[float, list[float]]:
     return number("diffuse_transmission", share), triple("diffuse_transmission_color", color)
 
 
+def _in_place(texture: Texture, use: str) -> Texture:
+    """The same with channels where the library reads them."""
+    image = np.asarray(texture.image)
+    if use == "alpha_texture" and image.ndim in (2, 3) and (image.ndim == 2 or image.shape[2] != 4):
+        grey = image if image.ndim == 2 else image[..., 0]
+        return replace(texture, image=np.stack([grey] * 4, axis=-1))
+    if use == "roughness_texture" and image.ndim == 2:
+        full = np.full_like(image, 255 if image.dtype == np.uint8 else 1)
+        return replace(texture, image=np.stack([full, image, full], axis=-1))
+    return texture
+
+
 @dataclass(frozen=True, kw_only=True)
 class Material:
     """What all materials have.
@@ -54,6 +67,12 @@ class Material:
     `emission`: radiance that the front emits, W/(m² sr), a number or RGB: a mesh of such a material is an area light.
     `emits_both_sides`: the back emits too. `clearcoat`: weight of a colourless layer of lacquer, in [0, 1]. `sheen`: colour
     of fibres over the surface (cloth), in [0, 1]. Glass has neither of the two.
+
+    Textures multiply what they belong to: `color_texture` albedo, reflectance or tint, `emission_texture` the emission, and
+    `roughness_texture` (grey; or as in glTF, roughness in green and metal in blue) the roughness of metal and plastic.
+    `normal_map` has tangent-space normals as in glTF, whose x and y are multiplied by `normal_scale`. With
+    `alpha_texture` (the alpha of four channels, else the red one) a surface has holes: where alpha is below `alpha_cutoff`;
+    without a cutoff it covers that share of all light.
     """
 
     emission: Any = 0.0
@@ -62,12 +81,19 @@ class Material:
     clearcoat_roughness: float = 0.0
     sheen: Any = 0.0
     sheen_roughness: float = 0.0
+    color_texture: Texture | None = None
+    emission_texture: Texture | None = None
+    roughness_texture: Texture | None = None
+    normal_map: Texture | None = None
+    normal_scale: float = 1.0
+    alpha_texture: Texture | None = None
+    alpha_cutoff: float | None = None
 
     def _surface(self) -> tuple[str, Any, Any, float, float, float]:
         """Kind, colour, second colour, ior, roughness, specular."""
         raise InputError("Material itself has no surface; use Lambert, Mirror, Glass, Metal or Plastic")
 
-    def _add_to(self, builder: Any, name: str) -> int:
+    def _add_to(self, builder: Any, name: str, added: dict[Any, int]) -> int:
         kind, color, second, ior, roughness, specular = self._surface()
         surface = (
             kind,
@@ -81,7 +107,26 @@ class Material:
         sheen = (triple("sheen", self.sheen), number("sheen_roughness", self.sheen_roughness))
         emission = triple("emission", self.emission)
         both = bool(self.emits_both_sides)
-        return builder.material(name, surface, emission, both, coat, sheen, *self._transmission())
+        cutoff = None if self.alpha_cutoff is None else number("alpha_cutoff", self.alpha_cutoff)
+        textures = (self._textures(builder, name, added), number("normal_scale", self.normal_scale), cutoff)
+        return builder.material(name, surface, emission, both, coat, sheen, *self._transmission(), textures)
+
+    def _textures(self, builder: Any, name: str, added: dict[Any, int]) -> list[tuple[str, int, int]]:
+        """Uses, numbers and UV sets of the textures. `added` has those of other materials."""
+        result = []
+        for use in ("color_texture", "emission_texture", "roughness_texture", "normal_map", "alpha_texture"):
+            texture = getattr(self, use)
+            if texture is None:
+                continue
+            if not isinstance(texture, Texture):
+                raise InputError(f"{use} of {name!r} is {type(texture).__name__}, but must be a photonmap.Texture")
+            made = _in_place(texture, use)
+            is_color = use in ("color_texture", "emission_texture")
+            key = (id(texture), use if made is not texture else is_color)
+            if key not in added:
+                added[key] = made._add_to(builder, f"{use} of {name}", is_color)
+            result.append((use, added[key], texture.uv_set))
+        return result
 
     def _transmission(self) -> tuple[tuple[float, Any], tuple[float, Any]]:
         """Share and colour of diffuse transmission, share and absorption of glass."""

@@ -63,9 +63,20 @@ class RawBuilder:
         sheen: tuple[_Vector, float],
         diffuse_transmission: tuple[float, _Vector],
         transmission: tuple[float, _Vector | None],
+        textures: tuple[list[tuple[str, int, int]], float, float | None],
     ) -> int: ...
+    def texture_bytes(
+        self, name: str, texels: NDArray[np.uint8], width: int, is_color: bool, wraps: tuple[int, int], nearest: bool
+    ) -> int: ...
+    def texture_floats(self, name: str, texels: _F32, width: int, wraps: tuple[int, int], nearest: bool) -> int: ...
     def mesh(
-        self, name: str, positions: _F64, triangles: NDArray[np.uint32], material: int, normals: _F64 | None
+        self,
+        name: str,
+        positions: _F64,
+        triangles: NDArray[np.uint32],
+        material: int,
+        normals: _F64 | None,
+        uvs: list[_F64],
     ) -> None: ...
     def point_light(self, name: str, position: _Vector, intensity: _Vector) -> None: ...
     def spot_light(

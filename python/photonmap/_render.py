@@ -62,8 +62,9 @@ def render(
 
     `film`: a .film file, which is continued if it exists, and written every `checkpoint` seconds and at the end. `executor`: a
     `concurrent.futures.Executor`, or a function that makes one if it breaks, whose workers render blocks of `grain` passes.
-    At most `window` blocks are kept in memory, and a block that is lost with its worker is asked for again, up to `retries`
-    times. The bits depend on scene, settings, passes and grain (default 1) alone, and so does the number of passes until a
+    At most `window` blocks (twice the number of workers) are asked for at a time, and as many wait in memory for an earlier
+    one; up to three times as many more wait in files beside `film`. A block that is lost with its worker is asked for again, up
+    to `retries` times. The bits depend on scene, settings, passes and grain (default 1) alone, and so does the number of passes until a
     `target_error`: the film is examined at fixed numbers of passes, and what workers rendered beyond is discarded.
     """
     width, height = _size(size)

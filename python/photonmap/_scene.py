@@ -54,10 +54,12 @@ class Scene:
         material: Material | None = None,
         *,
         normals: Any = None,
+        uvs: Any = None,
     ) -> Scene:
         """Adds triangles: `vertices` (n, 3), `triangles` (m, 3) indices into them, counter-clockwise from the front.
 
-        `normals`: one for each vertex, of any length, for smooth shading. `material`: by default `Lambert(0.5)`.
+        `normals`: one for each vertex, of any length, for smooth shading. `uvs`: texture coordinates (n, 2), or a list of
+        such arrays, one for each UV set. `material`: by default `Lambert(0.5)`.
         """
         material = Lambert() if material is None else material
         if not isinstance(material, Material):
@@ -80,13 +82,17 @@ class Scene:
             if toward.size != positions.size:
                 raise InputError(f"mesh {name!r}: {toward.size // 3} normals for {count} vertices")
         flat = np.ascontiguousarray(corners, dtype=np.uint32).reshape(-1)
-        return self._call("mesh", str(name), positions, flat, material, toward)
+        return self._call("mesh", str(name), positions, flat, material, toward, _uv_sets(name, uvs, count))
 
     def quad(self, name: str, corners: Any, material: Material | None = None) -> Scene:
-        """Adds a quadrilateral of four corners, counter-clockwise as seen from the front."""
+        """Adds a quadrilateral of four corners, counter-clockwise as seen from the front.
+
+        Textures fill it: their lower left, lower right, upper right and upper left corners are at these four.
+        """
         if np.shape(corners) != (4, 3):
             raise InputError(f"quad {name!r}: corners has the shape {np.shape(corners)}, but must have (4, 3)")
-        return self.mesh(name, corners, [[0, 1, 2], [0, 2, 3]], material)
+        uvs = [[0, 1], [1, 1], [1, 0], [0, 0]]
+        return self.mesh(name, corners, [[0, 1, 2], [0, 2, 3]], material, uvs=uvs)
 
     def point_light(self, position: Any, intensity: Any, *, name: str = "point light") -> Scene:
         """Adds a light that emits equally in all directions; `intensity` in W/sr, a number or RGB."""
@@ -236,13 +242,15 @@ class Scene:
         if self._built is None:
             builder = self._builder()
             materials: dict[int, int] = {}
+            textures: dict[Any, int] = {}
             for method, args in self._calls:
                 if method == "mesh":
-                    name, positions, corners, material, normals = args
+                    name, positions, corners, material, normals, uvs = args
                     # One material for meshes that share the object.
                     if id(material) not in materials:
-                        materials[id(material)] = material._add_to(builder, f"{type(material).__name__} of {name}")
-                    builder.mesh(name, positions, corners, materials[id(material)], normals)
+                        called = f"{type(material).__name__} of {name}"
+                        materials[id(material)] = material._add_to(builder, called, textures)
+                    builder.mesh(name, positions, corners, materials[id(material)], normals, uvs)
                 else:
                     getattr(builder, method)(*args)
             built = builder.build()
@@ -269,6 +277,23 @@ class Scene:
     def __repr__(self) -> str:
         source = f"{self.name}, " if self._source else ""
         return f"Scene({source}{len(self._calls)} additions)"
+
+
+def _uv_sets(name: str, uvs: Any, count: int) -> list[np.ndarray]:
+    """Texture coordinates of `count` vertices as flat arrays, one for each set."""
+    if uvs is None:
+        return []
+    try:
+        sets = [np.asarray(uvs)] if np.ndim(uvs) == 2 else [np.asarray(one) for one in uvs]
+    except (TypeError, ValueError):
+        raise InputError(f"mesh {name!r}: uvs must be an array (n, 2), or a list of such arrays") from None
+    for index, one in enumerate(sets):
+        if one.shape != (count, 2) or one.dtype.kind not in "fiub":
+            raise InputError(
+                f"mesh {name!r}: UV set {index} has the shape {one.shape} and the type {one.dtype}, but must have "
+                f"({count}, 2) real numbers"
+            )
+    return [np.array(one, dtype=np.float64, order="C").reshape(-1) for one in sets]
 
 
 def _rows(name: str, values: Any) -> np.ndarray:

@@ -12,6 +12,7 @@ mod process;
 mod render;
 mod scene;
 mod settings;
+mod texture;
 mod trace;
 mod tree;
 

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
     CameraDesc, EnvironmentDesc, LightDesc, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, Scene,
-    SceneBuilder, Sun, Surface, ThinLens, VertexAttributes, builtin, builtin_names, load_builder,
+    SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder,
 };
 use pyo3::prelude::*;
 
 use crate::error::Failure;
+use crate::texture::{self, TextureUses};
 use crate::tree::vectors;
 
 /// A scene under construction.
@@ -19,6 +20,7 @@ pub(crate) struct RawBuilder {
     builder: SceneBuilder,
     report: LoadReport,
     materials: Vec<MaterialId>,
+    textures: Vec<TextureId>,
 }
 
 /// Names and one-line descriptions of the built-in scenes.
@@ -34,7 +36,7 @@ type SurfaceNumbers = (String, [f64; 3], [f64; 3], f64, f64, f64);
 impl RawBuilder {
     #[new]
     fn new() -> Self {
-        Self { builder: SceneBuilder::new(), report: LoadReport::default(), materials: Vec::new() }
+        Self { builder: SceneBuilder::new(), report: LoadReport::default(), materials: Vec::new(), textures: Vec::new() }
     }
 
     /// A built-in scene.
@@ -47,14 +49,14 @@ impl RawBuilder {
                 "no built-in scene is called {name:?}; there are {list}, and files with an extension"
             ))
         })?;
-        Ok(Self { builder, report: LoadReport::default(), materials: Vec::new() })
+        Ok(Self { builder, report: LoadReport::default(), materials: Vec::new(), textures: Vec::new() })
     }
 
     /// A scene file.
     #[staticmethod]
     fn load(py: Python<'_>, path: &str) -> PyResult<Self> {
         let (builder, report) = py.detach(|| load_builder(Path::new(path), None).map_err(Failure::from))?;
-        Ok(Self { builder, report, materials: Vec::new() })
+        Ok(Self { builder, report, materials: Vec::new(), textures: Vec::new() })
     }
 
     /// Applies an override file.
@@ -65,7 +67,7 @@ impl RawBuilder {
 
     /// Adds a material and returns its number. `surface`: kind, colour, second colour, ior, roughness, specular. `clearcoat`:
     /// weight and roughness; `sheen`: colour and roughness; `diffuse_transmission`: share and colour; `transmission`: share
-    /// and absorption.
+    /// and absorption; `textures`: see [`TextureUses`].
     #[expect(clippy::too_many_arguments, reason = "called by Python alone, by position")]
     fn material(
         &mut self,
@@ -77,6 +79,7 @@ impl RawBuilder {
         sheen: ([f64; 3], f64),
         diffuse_transmission: (f64, [f64; 3]),
         transmission: (f64, Option<[f64; 3]>),
+        textures: TextureUses,
     ) -> PyResult<usize> {
         let (kind, color, second, ior, roughness, specular) = surface;
         let glossy = |metallic| Surface::Glossy { base_color: color, metallic, roughness, specular, ior };
@@ -97,8 +100,36 @@ impl RawBuilder {
             .with_sheen(sheen.0, sheen.1)
             .with_diffuse_transmission(diffuse_transmission.0, diffuse_transmission.1)
             .with_transmission(transmission.0, transmission.1);
+        let desc = texture::used(desc, textures, &self.textures)?;
         self.materials.push(self.builder.material(desc));
         Ok(self.materials.len() - 1)
+    }
+
+    /// Adds an image of bytes, four for each texel, and returns its number. `wraps`: 0 to repeat, 1 to mirror, 2 to clamp.
+    fn texture_bytes(
+        &mut self,
+        name: &str,
+        texels: PyReadonlyArray1<'_, u8>,
+        width: u32,
+        is_color: bool,
+        wraps: (u8, u8),
+        nearest: bool,
+    ) -> PyResult<usize> {
+        let desc = texture::bytes(name, &texels, width, is_color)?;
+        Ok(self.add_texture(texture::placed(desc, wraps, nearest)))
+    }
+
+    /// The same for linear numbers.
+    fn texture_floats(
+        &mut self,
+        name: &str,
+        texels: PyReadonlyArray1<'_, f32>,
+        width: u32,
+        wraps: (u8, u8),
+        nearest: bool,
+    ) -> PyResult<usize> {
+        let desc = texture::floats(name, &texels, width)?;
+        Ok(self.add_texture(texture::placed(desc, wraps, nearest)))
     }
 
     /// Adds triangles of a material. Arrays of vectors are flat.
@@ -109,6 +140,7 @@ impl RawBuilder {
         triangles: PyReadonlyArray1<'_, u32>,
         material: usize,
         normals: Option<PyReadonlyArray1<'_, f64>>,
+        uvs: Vec<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<()> {
         let corners: Vec<u32> = triangles.as_array().iter().copied().collect();
         let (triangles, rest) = corners.as_chunks::<3>();
@@ -120,6 +152,13 @@ impl RawBuilder {
         let mut attributes = VertexAttributes::default();
         if let Some(normals) = normals {
             attributes = attributes.with_normals(vectors(&normals)?);
+        }
+        if !uvs.is_empty() {
+            let pairs = |flat: &PyReadonlyArray1<'_, f64>| {
+                let numbers: Vec<f64> = flat.as_array().iter().copied().collect();
+                numbers.as_chunks::<2>().0.to_vec()
+            };
+            attributes = attributes.with_uvs(uvs.iter().map(pairs).collect());
         }
         self.builder.mesh_with(name, vectors(&positions)?, triangles.to_vec(), attributes, material);
         Ok(())
@@ -227,6 +266,11 @@ impl RawBuilder {
 }
 
 impl RawBuilder {
+    fn add_texture(&mut self, desc: TextureDesc) -> usize {
+        self.textures.push(self.builder.texture(desc));
+        self.textures.len() - 1
+    }
+
     fn environment(&mut self, desc: &EnvironmentDesc, rotate: f64, scale: f64) -> PyResult<()> {
         let desc = desc.clone().rotated(rotate).scaled(scale);
         Ok(self.builder.environment_from(&desc).map_err(Failure::from)?)

@@ -189,8 +189,21 @@ def test_lost_blocks_are_asked_for_again(expected):
             pm.render(**JOB, executor=lambda: Broken(9, losses))
 
 
-def test_the_memory_of_a_window_is_bounded():
-    """Blocks that come early count, so that a slow first block stops the others."""
+def test_blocks_that_come_early_are_in_files(tmp_path, monkeypatch):
+    """While the first block is slow, others go on: one may wait in memory, three in files, and the others are not asked for."""
+    from photonmap import _early
+
+    alone = bits(pm.render(**{**JOB, "passes": 16}, film=tmp_path / "alone.film"))
+    most = []
+
+    class Watched(_early.EarlyBlocks):
+        def add(self, start, film):
+            super().add(start, film)
+            most.append((len(self._films), self.in_files))
+            files = [name for folder in tmp_path.glob(".blocks-*") for name in os.listdir(folder)]
+            assert len(files) == self.in_files
+
+    monkeypatch.setattr("photonmap._blocks.EarlyBlocks", Watched)
 
     class Slow:
         asked = []
@@ -200,16 +213,38 @@ def test_the_memory_of_a_window_is_bounded():
             self.asked.append(first)
             if first > 0:
                 future.set_result(work(payload, key, first, *rest))
-                if first == 4:
-                    # Only now the first one: 6 was not asked for.
-                    assert self.asked == [0, 2, 4]
+                if len(self.asked) == 8:
+                    # Only now the first one.
                     self.first.set_result(work(payload, key, 0, *rest))
             else:
                 self.first = future
             return future
 
-    pm.render(**JOB, executor=Slow(), window=3)
-    assert Slow.asked == [0, 2, 4, 6]
+    film = pm.render(**{**JOB, "passes": 20}, executor=Slow(), window=2, film=tmp_path / "a.film")
+    assert max(memory for memory, _ in most) == 2 and max(files for _, files in most) == 6
+    # With a window of two, eight blocks are asked for or wait; the ninth is asked for after the first has come.
+    assert Slow.asked == list(range(0, 20, 2))
+    assert bits(film) == bits(pm.render(**{**JOB, "passes": 20}))
+    assert alone != bits(film)
+    assert not list(tmp_path.glob(".blocks-*"))
+
+
+def test_files_of_early_blocks_are_removed_after_an_error(tmp_path):
+    class Failing:
+        count = 0
+
+        def submit(self, work, payload, key, first, *rest):
+            future = Future()
+            self.count += 1
+            if self.count == 5:
+                future.set_exception(ValueError("a defect"))
+            elif first > 0:
+                future.set_result(work(payload, key, first, *rest))
+            return future
+
+    with pytest.raises(ValueError, match="a defect"):
+        pm.render(**{**JOB, "passes": 20}, executor=Failing(), window=2, film=tmp_path / "a.film")
+    assert not list(tmp_path.glob(".blocks-*"))
 
 
 def test_a_film_is_continued(expected, tmp_path):

@@ -5,7 +5,7 @@ use std::fs;
 use crate::shell;
 
 /// What the build and the tests need; the package itself needs only NumPy.
-const NEEDED: [&str; 6] = ["maturin>=1.9,<2", "numpy", "pytest", "scipy", "mypy", "tqdm"];
+const NEEDED: [&str; 8] = ["maturin>=1.9,<2", "numpy", "pytest", "scipy", "mypy", "tqdm", "nbclient", "ipykernel"];
 
 /// Builds with the profile of the other tests, in the same target folder, so that dependencies are compiled once.
 pub(crate) fn step() -> Result<(), String> {
@@ -30,5 +30,8 @@ pub(crate) fn step() -> Result<(), String> {
     ];
     shell::run(&[&install[..], &["--no-build-isolation", "--no-deps", "./python"]].concat(), &variables)?;
     shell::run(&[&python, "-m", "mypy", "python/photonmap"], &[])?;
-    shell::run(&[&python, "-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider", "python/tests"], &[])
+    // Where the notebook is left with its pictures.
+    let notebooks = format!("{target}/notebooks");
+    let tests = ["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider", "python/tests"];
+    shell::run(&[&[python.as_str()], &tests[..]].concat(), &[("PHOTONMAP_NOTEBOOKS", &notebooks)])
 }

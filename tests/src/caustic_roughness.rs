@@ -205,9 +205,9 @@ pub fn white_furnace<T: TestBackend>() {
         (1, MaterialDesc::plastic("cloth", [1.0; 3], 0.8).with_sheen([1.0; 3], 0.6)),
     ];
     let scene = stripes::in_even_light(builder, descs, true);
-    for least in [None, Some(0.2), Some(0.5)] {
+    for least in [None, Some(0.5)] {
         let settings = Settings { photons: 60_000, area: Area::Surface, ..settings(least) };
-        let found = columns::<T>(&scene, &settings, 24);
+        let found = columns::<T>(&scene, &settings, 16);
         for (column, values) in found.iter().enumerate() {
             let (mean, error) = (moments(values).0, standard_error(values));
             // Tables; anisotropy and layers lose or gain what docs/studies/surfaces.md says.
@@ -243,8 +243,8 @@ pub fn all_values_have_the_same_expectation<T: TestBackend>() {
         (2, MaterialDesc::plastic("halves", [0.5; 3], 1.0).with_textures(textures)),
         (1, MaterialDesc::metal("brushed", [0.9; 3], 0.4).with_anisotropy(0.6, 0.3)),
         (1, MaterialDesc::plastic("coated", [0.3; 3], 0.7).with_clearcoat(1.0, 0.3)),
-        (1, MaterialDesc::plastic("cloth", [0.3; 3], 0.6).with_sheen([1.0; 3], 0.6)),
-        (1, MaterialDesc::plastic("partly glass", [0.3; 3], 0.6).with_transmission(0.4, None)),
+        (1, MaterialDesc::plastic("cloth", [0.3; 3], 0.75).with_sheen([1.0; 3], 0.75)),
+        (1, MaterialDesc::plastic("partly glass", [0.3; 3], 0.75).with_transmission(0.4, None)),
     ];
     stripes::add(&mut builder, descs, false);
     let pane = builder.material(MaterialDesc::thin("pane", 1.5));
@@ -259,17 +259,17 @@ pub fn all_values_have_the_same_expectation<T: TestBackend>() {
     builder.light("point", LightDesc::Point { position: [0.3, 0.9, -1.0], intensity: [0.3; 3] });
     let scene = builder.build().unwrap();
     let with = |least| {
-        let settings = Settings { area: Area::Surface, photons: 20_000, ..settings(least) };
-        let emission = mean_of(&film::<T>(&scene, &settings, 24, 16), Layer::Emission);
-        (Requirements::of(&scene.view(), &settings), columns::<T>(&scene, &settings, 64), emission)
+        let settings = Settings { area: Area::Surface, photons: 4_000, ..settings(least) };
+        let emission = mean_of(&film::<T>(&scene, &settings, 8, 24), Layer::Emission);
+        (Requirements::of(&scene.view(), &settings), columns::<T>(&scene, &settings, 32), emission)
     };
     let (required, off, all_emission) = with(None);
     assert!(required.gloss_caustics && !required.gloss_caustics_of_all_lights);
-    for least in [0.1, 0.3, 0.5] {
+    for least in [0.3, 0.5, 0.7] {
         let (required, found, emission) = with(Some(least));
         assert!(required.gloss_caustics_of_all_lights);
         // Both have the same random numbers, so that their difference has less noise than they.
-        let mut whole = vec![0.0; 64];
+        let mut whole = vec![0.0; 32];
         for (column, (found, off)) in found.iter().zip(&off).enumerate() {
             let moved: Vec<f64> = found.iter().zip(off).map(|(found, off)| found - off).collect();
             whole.iter_mut().zip(&moved).for_each(|(sum, moved)| *sum += moved / 8.0);

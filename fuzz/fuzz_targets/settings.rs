@@ -84,6 +84,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
             _ => CausticPhotons::Shared,
         },
         max_plane_distance: if from.byte() % 4 == 0 { from.narrow() } else { 1.0 },
+        caustic_roughness: from.perhaps(Bytes::narrow),
         ..Settings::default()
     };
     static SCENES: std::sync::OnceLock<Vec<photon_scene::Scene>> = std::sync::OnceLock::new();

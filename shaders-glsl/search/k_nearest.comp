@@ -27,6 +27,7 @@ layout(constant_id = 5) const uint FILTER = 1;
 #include "shading/constants.glsl"
 #include "shading/kernel.glsl"
 #include "shading/octahedral.glsl"
+#include "shading/gloss_caustics.glsl"
 #include "shading/reflection_lobe.glsl"
 #include "shading/shading_normal.glsl"
 #include "search/search_map.glsl"
@@ -41,6 +42,9 @@ const uint ANISOTROPIC = 3;
 // The same, which may be that of a sheen.
 const uint SHEEN_OR_OTHER = 4;
 
+// Whether photons count for some queries only; REFLECTED or a higher one.
+layout(constant_id = 11) const bool MARKED = false;
+
 // Positions; then normals or directions, and powers or ids.
 shared uvec4 staged[TILES * TILE_POINTS];
 shared vec3 axes[TILES * TILE_POINTS];
@@ -53,6 +57,8 @@ vec3 at, normal;
 vec3 shading;
 // From `REFLECTED` on.
 ReflectionLobe lobe;
+// Its packed direction towards the viewer, if MARKED.
+uint query_mark;
 // From `ANISOTROPIC` on.
 vec2 widths;
 // If `SHEEN_OR_OTHER`.
@@ -64,6 +70,7 @@ Albedos albedos() { return Albedos(uvec2(push.threshold, floatBitsToUint(push.ma
 // Factor on the power of a photon, whose packed direction and normal these are.
 vec3 shading_factor(uint direction, uint photon_normal) {
     if (SHADING == 0) return vec3(1.0);
+    if (MARKED && !gloss_caustics_counts(direction, query_mark)) return vec3(0.0);
     vec3 from = octahedral_unpack(direction), geometric = octahedral_unpack(photon_normal);
     if (SHADING == REFLECTED) return lobe_weight(albedos(), lobe, from, geometric);
     if (SHADING == SHEEN_OR_OTHER && is_sheen) return lobe_weight_sheen(albedos(), lobe, sheen, from, geometric);
@@ -164,6 +171,7 @@ void ask(uint index) {
     at = push.queries[index].at.position;
     normal = push.queries[index].at.normal;
     if (SHADING != 0) shading = octahedral_unpack(push.queries[index].at.shading_normal);
+    if (MARKED) query_mark = push.queries[index].at.offset_or_wo;
     if (SHADING == REFLECTED) {
         uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
         lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.offset_or_wo), shading);

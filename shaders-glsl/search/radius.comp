@@ -23,6 +23,7 @@ layout(local_size_x_id = 1) in;
 layout(constant_id = 7) const uint FLAT = 0;
 
 #include "search/search_error_moments.glsl"
+#include "shading/gloss_caustics.glsl"
 #include "shading/reflection_lobe.glsl"
 #include "shading/shading_normal.glsl"
 
@@ -40,7 +41,10 @@ const uint ANISOTROPIC = 3;
 // The same, which may be that of a sheen.
 const uint SHEEN_OR_OTHER = 4;
 
-// Positions with packed normals, normals, powers.
+// Whether photons count for some queries only; REFLECTED or a higher one.
+layout(constant_id = 11) const bool MARKED = false;
+
+// Positions with packed normals, normals, powers: if MARKED, negative ones of photons that only marked queries count.
 shared uvec4 staged[TILES * TILE_POINTS];
 shared vec3 normals[TILES * TILE_POINTS];
 shared vec3 powers[TILES * TILE_POINTS];
@@ -52,6 +56,8 @@ vec3 at, normal;
 vec3 shading;
 // From `REFLECTED` on.
 ReflectionLobe lobe;
+// Its packed direction towards the viewer, if MARKED.
+uint query_mark;
 // From `ANISOTROPIC` on.
 vec2 widths;
 // If `SHEEN_OR_OTHER`.
@@ -69,6 +75,7 @@ void stage(uint mode, uint place, uint slot) {
     staged[place] = point;
     uvec4 flux = flux_at(FORMAT, push.power, slot);
     powers[place] = uintBitsToFloat(flux.xyz);
+    if (MARKED && !gloss_caustics_counts(flux.w, 0u)) powers[place] = -powers[place];
     if (SHADING != 0) directions[place] = octahedral_unpack(flux.w);
     if (FILTER != 0 || SHADING != 0) normals[place] = octahedral_unpack(point.w);
 }
@@ -78,14 +85,20 @@ Albedos albedos() { return Albedos(uvec2(push.threshold, push.k)); }
 // The power of a photon as it counts for the query.
 vec3 power_of(uint place) {
     if (SHADING == 0) return powers[place];
-    if (SHADING == REFLECTED) return powers[place] * lobe_weight(albedos(), lobe, directions[place], normals[place]);
+    vec3 power = powers[place];
+    if (MARKED) {
+        bool is_unmarked = min(min(power.x, power.y), power.z) < 0.0;
+        if (is_unmarked && !gloss_caustics_counts(0u, query_mark)) return vec3(0.0);
+        power = abs(power);
+    }
+    if (SHADING == REFLECTED) return power * lobe_weight(albedos(), lobe, directions[place], normals[place]);
     if (SHADING == SHEEN_OR_OTHER && is_sheen) {
-        return powers[place] * lobe_weight_sheen(albedos(), lobe, sheen, directions[place], normals[place]);
+        return power * lobe_weight_sheen(albedos(), lobe, sheen, directions[place], normals[place]);
     }
     if (SHADING >= ANISOTROPIC) {
-        return powers[place] * lobe_weight_anisotropic(albedos(), lobe, widths, directions[place], normals[place]);
+        return power * lobe_weight_anisotropic(albedos(), lobe, widths, directions[place], normals[place]);
     }
-    return powers[place] * shading_cosine_ratio(directions[place], normals[place], shading);
+    return power * shading_cosine_ratio(directions[place], normals[place], shading);
 }
 
 void add(uint place, inout vec3 sum) {
@@ -146,10 +159,12 @@ void main() {
     normal = vec3(0.0);
     shading = vec3(0.0);
     flat_most = 0.0;
+    query_mark = 0u;
     if (asked) {
         at = push.queries[index].at.position;
         normal = push.queries[index].at.normal;
         if (SHADING != 0) shading = octahedral_unpack(push.queries[index].at.shading_normal);
+        if (MARKED) query_mark = push.queries[index].at.offset_or_wo;
         if (SHADING == REFLECTED) {
             uvec2 words = uvec2(push.queries[index].at.media, push.queries[index].at.coat);
             lobe = lobe_new(albedos(), words, octahedral_unpack(push.queries[index].at.offset_or_wo), shading);

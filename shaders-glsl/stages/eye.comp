@@ -23,6 +23,10 @@ layout(constant_id = 7) const bool HIDES_BACKGROUND = false;
 layout(constant_id = 8) const bool REFLECTIONS = false;
 // Shadow rays from triangles with vertex normals start outside the mesh.
 layout(constant_id = 9) const bool TERMINATOR_OFFSET = false;
+// Reflections at least this rough show caustics of all lights from photons: the bits of a float, all ones if none does.
+layout(constant_id = 11) const uint CAUSTIC_ROUGHNESS = 0xFFFFFFFFu;
+// Whether other reflections show those of some lights.
+layout(constant_id = 12) const bool MARKED = false;
 
 #include "shading/constants.glsl"
 #include "film/film.glsl"
@@ -34,10 +38,12 @@ layout(constant_id = 9) const bool TERMINATOR_OFFSET = false;
 #include "shading/shade.glsl"
 #include "shading/coated_light.glsl"
 #include "shading/environment.glsl"
+#include "shading/gloss_caustics.glsl"
 #include "shading/sun.glsl"
 #include "shading/scattering.glsl"
 #include "shading/shadow_terminator.glsl"
 
+const bool ALL_LIGHTS = CAUSTIC_ROUGHNESS != 0xFFFFFFFFu;
 const bool THIN_LENS = (FEATURES & FEATURE_THIN_LENS) != 0u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
@@ -71,11 +77,16 @@ struct Path {
     // Index of this path among the pixel's paths; a key of random numbers.
     uint branch;
     // The glossy surface or rough glass that it left last: density of the direction, 0 without one, or negative if
-    // something specular lies between (which is only distinguished from 0 for the sun); position; geometric normal.
+    // something specular lies between (which is only distinguished from 0 for the sun, and with ALL_LIGHTS); position;
+    // geometric normal; whether photons show light that arrives there by way of something specular.
     float reflected_pdf;
     vec3 reflected_position;
     vec3 reflected_normal;
+    bool shows_all;
 };
+
+// Whether light that the path finds is not counted in full: where shadow rays or photons find it too.
+bool weighs_lights(Path path) { return path.reflected_pdf > 0.0 || (ALL_LIGHTS && path.shows_all); }
 
 uvec4 words(uint pixel, uint branch, uint block) {
     return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, DOMAIN_EYE), push.seed);
@@ -123,7 +134,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
             other.throughput = share;
             other.branch |= 1u << path.splits;
             other.splits++;
-            other.reflected_pdf = SUN && path.reflected_pdf != 0.0 ? -1.0 : 0.0;
+            other.reflected_pdf = (SUN || ALL_LIGHTS) && path.reflected_pdf != 0.0 ? -1.0 : 0.0;
             lobe = LOBE_SPECULAR_TRANSMISSION;
         } else {
             uvec4 choice = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
@@ -133,7 +144,7 @@ bool go_on(inout Path path, out Path other, uint pixel, Surface at, vec3 normal,
     vec3 onward = bsdf_direction(bsdf, lobe, path.ray.direction, normal, 0.0, 0.0);
     if (SHADING_NORMALS) onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
     path.throughput *= bsdf_weight(bsdf, lobe);
-    path.reflected_pdf = SUN && path.reflected_pdf != 0.0 ? -1.0 : 0.0;
+    path.reflected_pdf = (SUN || ALL_LIGHTS) && path.reflected_pdf != 0.0 ? -1.0 : 0.0;
     if (lobe == LOBE_SPECULAR_TRANSMISSION) {
         path.ray = surface_pass(at, onward);
         path.media = transmitted;
@@ -166,7 +177,8 @@ void leave_query(
     if (REFLECTIONS && ANISOTROPY) key = anisotropy_path_word(key, anisotropy);
     uint offset_or_wo = 0u;
     if (REFLECTIONS) offset_or_wo = octahedral_pack(-path.ray.direction);
-    else if (TERMINATOR_OFFSET) offset_or_wo = shadow_terminator_pack(offset);
+    if (REFLECTIONS && ALL_LIGHTS) offset_or_wo = gloss_caustics_with_mark(offset_or_wo, path.shows_all);
+    if (!REFLECTIONS && TERMINATOR_OFFSET) offset_or_wo = shadow_terminator_pack(offset);
     // Moved away from edges, next to which rounding might put it behind the adjacent wall, out of its shadow.
     push.found[(pixel << MAX_SPLITS) + found].at = Query(
         at.start, 1.0, at.normal, pixel, throughput, media_coat.x, offset_or_wo, key,
@@ -192,7 +204,7 @@ void main() {
     Ray ray;
     if (THIN_LENS) ray = lens_ray(across, -down, jitter.zw);
     else ray = camera_ray(across, -down);
-    Path path = Path(ray, vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0));
+    Path path = Path(ray, vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0), false);
 
     // No path splits more than twice, so that at most two wait.
     Path waiting[2];
@@ -228,7 +240,7 @@ void main() {
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
                 vec3 throughput = path.throughput;
                 if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
-                if (FOLLOWED && path.reflected_pdf > 0.0) {
+                if (FOLLOWED && weighs_lights(path)) {
                     throughput *= found_share(path, light_of_triangle(push.scene, hit.primitive), at.t);
                 }
                 if (COATED_LIGHTS) {
@@ -245,8 +257,14 @@ void main() {
                 vec3 seen = path.throughput;
                 if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before);
                 Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, false);
+                if (ALL_LIGHTS) {
+                    float least = uintBitsToFloat(CAUSTIC_ROUGHNESS);
+                    path.shows_all = gloss_caustics_narrowest(material, layers) >= least;
+                }
                 Leaves leaves;
-                if (REFLECTIONS) {
+                if (REFLECTIONS && ALL_LIGHTS && !MARKED && !path.shows_all) {
+                    leaves = leaves_none();
+                } else if (REFLECTIONS) {
                     leaves = leaves_reflection(material, layers, glossy, normal, seen);
                 } else {
                     emission += seen * light_reflection(path, pixel, lit_surface(at, normal, offset), normal, sides.before, glossy);
@@ -278,7 +296,7 @@ void main() {
         if (ENVIRONMENT && escaped && !REFLECTIONS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
-            if (FOLLOWED && path.reflected_pdf > 0.0) {
+            if (FOLLOWED && weighs_lights(path)) {
                 // It is among the last lights.
                 uint index = push.scene.light_count;
                 while (index > 0u && push.scene.lights[index - 1u].at.kind != LIGHT_ENVIRONMENT) --index;

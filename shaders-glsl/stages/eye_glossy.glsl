@@ -10,9 +10,11 @@
 // The weight of a sample of density `mine` where another technique has density `other`: the balance heuristic.
 float balance(float mine, float other) { return mine > 0.0 ? mine / (mine + other) : 1.0; }
 
-// The weight of light that a reflected path has found itself: from light `index` at distance `far`.
+// The weight of light that a reflected path has found itself: from light `index` at distance `far`. 0 by way of something
+// specular, where photons have the light.
 float found_share(Path path, uint index, float far) {
     if (index == NO_LIGHT) return 1.0;
+    if (ALL_LIGHTS && path.reflected_pdf < 0.0) return 0.0;
     vec3 position = path.reflected_position, normal = path.reflected_normal;
     LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, position, normal);
     float chosen = light_sampler_probability(push.scene, light_sampler, index);
@@ -70,6 +72,11 @@ struct Leaves {
 Leaves leaves_base(Glossy glossy, uint media, vec3 seen) {
     return Leaves(glossy.specular_probability, glossy.diffuse * seen, 0.318309886, uvec2(media, glossy.coat),
         glossy.transmission_probability, glossy.transmitted * seen, 0.0, vec3(0.0), uvec2(0u), 0.0, vec3(0.0), uvec2(0u), 0u);
+}
+
+// None at all: the path goes on by the reflection.
+Leaves leaves_none() {
+    return Leaves(1.0, vec3(0.0), 1.0, uvec2(0u), 0.0, vec3(0.0), 0.0, vec3(0.0), uvec2(0u), 0.0, vec3(0.0), uvec2(0u), 0u);
 }
 
 // For the reflection: the path goes on in search of other glossy surfaces.

@@ -55,6 +55,7 @@ bool scatter_path(inout Path path, uint pixel, Surface at, vec3 offset, vec3 nor
     path.reflected_pdf = drawn.found.pdf / (drawn.stays ? glass.light_side : 1.0 - glass.light_side);
     path.reflected_position = from.start;
     path.reflected_normal = geometric;
+    if (ALL_LIGHTS) path.shows_all = false;
     path.media = drawn.stays ? sides.before : sides.transmitted;
     path.ray = surface_leave(from, drawn.direction);
     return true;

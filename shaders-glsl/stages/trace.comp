@@ -29,12 +29,15 @@ layout(constant_id = 6) const bool AIMED = false;
 layout(constant_id = 7) const uint MEDIA = 1;
 // Whether aimed paths store photons for the reflection of glossy surfaces only, and end there.
 layout(constant_id = 8) const bool REFLECTIONS = false;
+// Whether those are of all lights, with a mark.
+layout(constant_id = 11) const bool ALL_LIGHTS = false;
 
 #include "device/counter.glsl"
 #include "device/grid.glsl"
 #include "shading/octahedral.glsl"
 #include "shading/random.glsl"
 #include "shading/scene.glsl"
+#include "shading/gloss_caustics.glsl"
 #include "shading/photon_sample.glsl"
 #include "shading/scattering.glsl"
 #include "shading/shade.glsl"
@@ -194,6 +197,12 @@ uint stored_in(uint stored[MAP_COUNT], uint map) {
     return count;
 }
 
+// Whether camera paths cannot find the light that a path comes from.
+bool is_sampled_only(Path path) {
+    PhotonRay start = push.rays[push.chunk.first + path.index].at;
+    return gloss_caustics_is_sampled_only(push.scene.lights[start.light].at.kind);
+}
+
 // Where a surface is met by a share of the photons, its coverage, each stands for the others too.
 void store(inout Path path, Surface at, vec3 power, float coverage) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
@@ -204,6 +213,9 @@ void store(inout Path path, Surface at, vec3 power, float coverage) {
         Photon photon;
         photon.position = at.point;
         photon.direction = octahedral_pack(-path.ray.direction);
+        if (REFLECTIONS && ALL_LIGHTS) {
+            photon.direction = gloss_caustics_with_mark(photon.direction, is_sampled_only(path));
+        }
         photon.power = RANDOM_SURFACES ? over(power, coverage) : power;
         photon.normal = octahedral_pack(at.normal);
         push.photons[place].at = photon;
@@ -216,12 +228,6 @@ void store(inout Path path, Surface at, vec3 power, float coverage) {
 bool is_sane(Path path) {
     return is_finite3(path.ray.origin) && is_finite3(path.ray.direction) && is_finite3(path.power)
         && photon_greatest(abs(path.power)) <= FATE_MAX_POWER;
-}
-
-// Whether camera paths cannot find the light that a path comes from.
-bool has_delta_light(Path path) {
-    uint kind = push.scene.lights[push.rays[push.chunk.first + path.index].at.light].at.kind;
-    return kind == LIGHT_POINT || kind == LIGHT_SPOT || kind == LIGHT_DIRECTIONAL;
 }
 
 // Processes one surface; returns how the path ended there, or FATE_NONE.
@@ -255,7 +261,8 @@ uint step_path(inout Path path, Hit hit) {
     uint rule = scattering_at(material, sides);
     if (GLOSSY && rule == SCATTERING_GLOSSY) {
         if (REFLECTIONS) {
-            if (path.bounce > 0u && has_delta_light(path)) store(path, at, path.power, coverage);
+            bool is_counted = path.bounce > 0u && (ALL_LIGHTS || is_sampled_only(path));
+            if (is_counted) store(path, at, path.power, coverage);
             ++path.bounce;
             return FATE_TERMINATED;
         }

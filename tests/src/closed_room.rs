@@ -16,8 +16,18 @@ pub(crate) type Square = (f64, f64, MaterialDesc);
 /// gathering. `bound` is the error of radiosity that the squares' own tables may cause; gathering has a larger one.
 pub(crate) fn assert_unchanged<T: TestBackend>(
     squares: impl IntoIterator<Item = Square>,
+    view: ([f64; 3], f64),
+    bound: f64,
+) {
+    assert_unchanged_with::<T>(squares, view, bound, None);
+}
+
+/// The same with this [`Settings::caustic_roughness`].
+pub(crate) fn assert_unchanged_with<T: TestBackend>(
+    squares: impl IntoIterator<Item = Square>,
     (direction, distance): ([f64; 3], f64),
     bound: f64,
+    caustic_roughness: Option<f32>,
 ) {
     let mut builder = SceneBuilder::new();
     let wall = builder.material(MaterialDesc::emissive("wall", [0.5; 3], [1.0 / PI; 3]));
@@ -33,6 +43,7 @@ pub(crate) fn assert_unchanged<T: TestBackend>(
         photons: 10_000,
         max_bounces: 4096,
         alpha: 1.0,
+        caustic_roughness,
         estimator: Estimator::Radius { radius: Some(0.15) },
         ..Settings::default()
     };

@@ -14,21 +14,21 @@ use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
 /// A glossy floor without a base: metal, or black plastic with a coat of index 1.5.
 #[derive(Clone, Copy)]
-struct Floor {
-    alpha: f64,
-    metallic: f64,
-    color: f64,
+pub(crate) struct Floor {
+    pub(crate) alpha: f64,
+    pub(crate) metallic: f64,
+    pub(crate) color: f64,
 }
 
 impl Floor {
-    fn material(self) -> MaterialDesc {
+    pub(crate) fn material(self) -> MaterialDesc {
         let Self { alpha, metallic, color } = self;
         let (base_color, roughness) = ([color; 3], alpha.sqrt());
         MaterialDesc::new("floor", Surface::Glossy { base_color, metallic, roughness, specular: 1.0, ior: 1.5 })
     }
 
     /// The BSDF, at a surface with the shading normal `n`.
-    fn f(self, o: DVec3, i: DVec3, n: DVec3) -> f64 {
+    pub(crate) fn f(self, o: DVec3, i: DVec3, n: DVec3) -> f64 {
         let turn = DQuat::from_rotation_arc(n, UP);
         Reference::new(self.alpha, self.metallic, self.color).f(turn * o, turn * i)
     }
@@ -44,11 +44,11 @@ pub(crate) fn through_a_pane(cosine: f64) -> f64 {
     (1.0 - reflectance) / (1.0 + reflectance)
 }
 
-const UP: DVec3 = DVec3::Y;
+pub(crate) const UP: DVec3 = DVec3::Y;
 /// Irradiance of the sun across its direction.
 const SUN: f64 = 2.0;
 
-fn towards(cosine: f64, azimuth: f64) -> DVec3 {
+pub(crate) fn towards(cosine: f64, azimuth: f64) -> DVec3 {
     let sine = (1.0 - cosine * cosine).sqrt();
     DVec3::new(sine * azimuth.cos(), cosine, sine * azimuth.sin())
 }

@@ -12,6 +12,7 @@ pub mod alpha_surfaces;
 pub mod anisotropy;
 pub mod backends;
 pub mod blocks;
+pub mod caustic_roughness;
 pub mod choice;
 pub mod clearcoat;
 mod closed_room;
@@ -175,6 +176,10 @@ macro_rules! whole_suite {
                 sun_through_a_pane, photons_behind_a_pane_are_like_shadow_rays, tilted_normals_behind_a_pane,
                 point_light_in_a_mirror, seen_in_another_metal, rough_panes_are_not_counted_twice,
                 errors_and_requirements,
+            }
+            caustic_roughness::{
+                area_light_behind_a_pane, area_light_in_a_mirror, lights_of_both_kinds, white_furnace, g5_closed_room,
+                all_values_have_the_same_expectation, counting_twice_is_seen, only_what_it_is_for_is_changed,
             }
             rough_glass::{ g4_white_furnace, light_behind_a_boundary, g5_closed_room }
             textures::{

@@ -8,7 +8,7 @@ use photon_core::light_tree::LightTree;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, Material, MediaFeatures, Medium, MediumStack,
     Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids,
-    SurfaceInteraction, alpha, interface, math, offset, radiance_scale, shadow_terminator,
+    SurfaceInteraction, alpha, interface, math, offset, radiance_scale, roughest_caustic, shadow_terminator,
 };
 
 use crate::caster::Checked;
@@ -47,6 +47,8 @@ pub struct CpuScene {
     pub(crate) features: Features,
     /// The features that the scene has; a subset of `features`.
     pub(crate) present: Features,
+    /// [`roughest_caustic`].
+    pub(crate) roughest_caustic: f32,
     /// Build time of the ray caster, in seconds.
     pub build_seconds: f64,
 }
@@ -102,6 +104,7 @@ impl CpuScene {
             caster,
             features: required.features,
             present,
+            roughest_caustic: roughest_caustic(view),
             build_seconds: start.elapsed().as_secs_f64(),
         })
     }

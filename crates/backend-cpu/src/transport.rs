@@ -34,6 +34,7 @@ impl TransportBackend for Cpu {
                 hides_background: settings.transparent_background,
                 reflections: false,
                 terminator_offset: required.terminator_offset,
+                caustic_roughness: required.caustic_roughness(settings),
             }),
             direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
             gather: if required.final_gather {
@@ -51,6 +52,7 @@ impl TransportBackend for Cpu {
                     hides_background: false,
                     reflections: true,
                     terminator_offset: required.terminator_offset,
+                    caustic_roughness: required.caustic_roughness(settings),
                 }),
             }),
             map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },

@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
 use photon_core::{
     Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability, offset,
+    roughest_caustic,
 };
 use photon_scene::CompressedTree;
 
@@ -38,6 +39,9 @@ pub struct VulkanScene {
     /// Address and number of the portals.
     portals: (u64, u32),
     has_vertex_normals: bool,
+    /// [`roughest_caustic`].
+    roughest_caustic: f32,
+    has_lights_without_extent: bool,
     /// Labels and sizes in bytes of the tables.
     bytes: Vec<(&'static str, u64)>,
     /// Time to build the BVH on the CPU, in seconds.
@@ -148,6 +152,8 @@ impl VulkanScene {
             light_count,
             portals,
             has_vertex_normals,
+            roughest_caustic: roughest_caustic(view),
+            has_lights_without_extent: present.intersects(Features::DELTA_LIGHTS),
             bytes,
             build_seconds,
         })
@@ -166,6 +172,16 @@ impl VulkanScene {
     /// Whether triangles have vertex normals.
     pub(crate) fn has_vertex_normals(&self) -> bool {
         self.has_vertex_normals
+    }
+
+    /// [`roughest_caustic`] of the scene.
+    pub(crate) fn roughest_caustic(&self) -> f32 {
+        self.roughest_caustic
+    }
+
+    /// Whether the scene has [`Features::DELTA_LIGHTS`].
+    pub(crate) fn has_lights_without_extent(&self) -> bool {
+        self.has_lights_without_extent
     }
 
     /// Media features that kernels must support.

@@ -89,6 +89,9 @@ pub(crate) static PROBE_BSDF: Module = Module { name: "probe_bsdf", bytes: inclu
 pub(crate) static PROBE_ENVIRONMENT: Module =
     Module { name: "probe_environment", bytes: include_bytes!("../spirv/probe_environment.spv") };
 
+pub(crate) static PROBE_GLOSS_CAUSTICS: Module =
+    Module { name: "probe_gloss_caustics", bytes: include_bytes!("../spirv/probe_gloss_caustics.spv") };
+
 pub(crate) static PROBE_GLOSSY: Module =
     Module { name: "probe_glossy", bytes: include_bytes!("../spirv/probe_glossy.spv") };
 
@@ -231,7 +234,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 80] = [
+pub(crate) static ALL: [&Module; 81] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
@@ -263,6 +266,7 @@ pub(crate) static ALL: [&Module; 80] = [
     &PROBE_BIAS,
     &PROBE_BSDF,
     &PROBE_ENVIRONMENT,
+    &PROBE_GLOSS_CAUSTICS,
     &PROBE_GLOSSY,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,

@@ -51,7 +51,7 @@ impl TransportBackend for Vulkan {
             area: if settings.area == Area::Surface { Some(Box::new(VulkanArea)) } else { None },
             aimed: None,
             gloss_caustics: if required.gloss_caustics {
-                let tracer = Box::new(VulkanTracer::for_reflections(self, settings)?);
+                let tracer = Box::new(VulkanTracer::for_reflections(self, settings, required)?);
                 Some(GlossCaustics { tracer, eye: Box::new(VulkanEye::for_reflections(self, settings, required)?) })
             } else {
                 None

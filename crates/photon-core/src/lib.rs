@@ -47,6 +47,7 @@ pub use radius::progressive::{inverse_radius_squared_sum, radius_squared_factor,
 pub use radius::schedule::Schedule;
 pub use requirements::explain::{Need, explain};
 pub use requirements::features::Features;
+pub use requirements::gloss_caustics::roughest_caustic;
 pub use requirements::map_kind::{MapKind, PerMap};
 pub use requirements::photon_format::PhotonFormat;
 pub use requirements::{Requirements, light_features, material_features};
@@ -87,7 +88,7 @@ pub use shading::scattering::{Scattering, Vertex};
 pub use shading::shade::{Shaded, Shading};
 pub use shading::sheen_lobe::SheenTable;
 pub use shading::{
-    alpha, anisotropy, area, clearcoat, fresnel, ggx, glossy, light_sampler, light_tree, math, octahedral, offset,
-    partial_transmission, photon_sample, portals, random, rough_glass, sampling, shade, shading_normal,
-    shadow_terminator, sheen, sobol, solid_angle, texture,
+    alpha, anisotropy, area, clearcoat, fresnel, ggx, gloss_caustics, glossy, light_sampler, light_tree, math,
+    octahedral, offset, partial_transmission, photon_sample, portals, random, rough_glass, sampling, shade,
+    shading_normal, shadow_terminator, sheen, sobol, solid_angle, texture,
 };

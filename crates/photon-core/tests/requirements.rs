@@ -126,3 +126,31 @@ fn too_little_is_an_error_that_names_it() {
     }
     assert!(Requirements::everything(&Settings::default()).check(needed.features).is_ok());
 }
+
+/// Light of area lights is taken from photons where a glossy surface is rough enough, and glass is in its way.
+#[test]
+fn caustics_of_area_lights_need_rough_gloss_and_glass() {
+    let mut tables = Tables::new(MaterialKind::Thin as u32, 0.0);
+    tables.materials[1].kind = MaterialKind::Glossy as u32;
+    tables.materials[1].metallic = 1.0;
+    tables.materials[1].roughness = 0.5;
+    let of = |tables: &Tables, caustic_roughness| {
+        let settings = Settings { caustic_roughness, ..Settings::default() };
+        let required = Requirements::of(&tables.view(), &settings);
+        let needs = photon_core::explain(&tables.view(), &settings);
+        let need = needs.into_iter().find(|need| need.what == "those of area lights and environments").unwrap();
+        assert_eq!(need.needed, required.gloss_caustics_of_all_lights);
+        assert_eq!(required.gloss_caustics, required.gloss_caustics_of_all_lights);
+        assert_eq!(required.caustic_roughness(&settings), caustic_roughness.filter(|_| need.needed));
+        (need.needed, need.why)
+    };
+    assert!(of(&tables, Some(0.5)).0 && of(&tables, Some(0.0)).0);
+    assert!(of(&tables, None).1.contains("--caustic-roughness"));
+    assert!(of(&tables, Some(0.6)).1.contains("below 0.6"));
+    let without_glass = Tables { materials: tables.materials.clone(), ..Tables::new(MaterialKind::Thin as u32, 0.0) };
+    let mut without_glass = Tables { primitives: without_glass.primitives[..2].to_vec(), ..without_glass };
+    without_glass.triangles.truncate(2);
+    assert!(of(&without_glass, Some(0.5)).1.contains("no perfect mirror"));
+    tables.lights[0] = Light { kind: Light::ENVIRONMENT, power: [1.0; 3], ..Light::default() };
+    assert!(of(&tables, Some(0.5)).0);
+}

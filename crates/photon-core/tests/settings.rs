@@ -19,6 +19,9 @@ fn nonsense_is_refused_by_name() {
     let cases = [
         ("photons", Settings { photons: 0, ..base() }),
         ("caustic-photons", Settings { caustic_photons: CausticPhotons::Aimed(0), ..base() }),
+        ("caustic-roughness", Settings { caustic_roughness: Some(-0.1), ..base() }),
+        ("caustic-roughness", Settings { caustic_roughness: Some(1.1), ..base() }),
+        ("caustic-roughness", Settings { caustic_roughness: Some(f32::NAN), ..base() }),
         ("k", knn(0, None)),
         ("k", knn(1, None)),
         ("radius", knn(5, Some(0.0))),

@@ -206,6 +206,7 @@ fn entries(settings: &Settings) -> BTreeMap<String, String> {
         indirect,
         caustics,
         caustic_photons,
+        caustic_roughness,
         max_bounces,
         // Part of the set of passes.
         seed: _,
@@ -226,7 +227,7 @@ fn entries(settings: &Settings) -> BTreeMap<String, String> {
         terminator_offset,
     } = settings;
     // The debug text of a float is the shortest one that is read back as the same bits.
-    let entries: [(&str, &dyn std::fmt::Debug); 21] = [
+    let entries: [(&str, &dyn std::fmt::Debug); 22] = [
         ("estimator", estimator),
         ("radius_factor", radius_factor),
         ("kernel", kernel),
@@ -237,6 +238,7 @@ fn entries(settings: &Settings) -> BTreeMap<String, String> {
         ("indirect", indirect),
         ("caustics", caustics),
         ("caustic_photons", caustic_photons),
+        ("caustic_roughness", caustic_roughness),
         ("max_bounces", max_bounces),
         ("alpha", alpha),
         ("random", random),

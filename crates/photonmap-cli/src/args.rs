@@ -152,6 +152,7 @@ impl SettingsArgs {
             area: estimate.area.unwrap_or(kind.area),
             max_plane_distance: estimate.max_plane_distance.unwrap_or(base.max_plane_distance),
             caustic_photons: photon.caustic_photons.unwrap_or(base.caustic_photons),
+            caustic_roughness: photon.caustic_roughness.or(base.caustic_roughness),
             max_bounces: photon.max_bounces.unwrap_or(base.max_bounces),
             seed: photon.seed,
             alpha: if paper { base.alpha } else { estimate.alpha.unwrap_or(base.alpha) },

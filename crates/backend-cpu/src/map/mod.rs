@@ -89,7 +89,13 @@ impl CpuMap {
     /// Requires [`PhotonFormat::Full`].
     #[inline]
     pub(crate) fn direction(&self, slot: u32) -> Vec3 {
-        octahedral::unpack(self.directions.get(slot as usize).copied().unwrap_or_default())
+        octahedral::unpack(self.packed_direction(slot))
+    }
+
+    /// As it is stored; requires [`PhotonFormat::Full`].
+    #[inline]
+    pub(crate) fn packed_direction(&self, slot: u32) -> u32 {
+        self.directions.get(slot as usize).copied().unwrap_or_default()
     }
 
     /// As [`Self::direction`], but not a unit vector.

@@ -35,6 +35,9 @@ pub(crate) fn estimate_with_moments_at(
         (Powers::Colour(powers), PowerFactor::Reflected(lobe)) => {
             either(map, |slot| powers[slot as usize] * VisiblePoint::reflected(map, &lobe, slot), point, gather)
         }
+        (Powers::Colour(powers), PowerFactor::Marked(lobe, query)) => {
+            either(map, |slot| powers[slot as usize] * VisiblePoint::marked(map, &lobe, query, slot), point, gather)
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use photon_core::glam::Vec3;
 use photon_core::{
     ErrorMoments, Estimate, EstimateParams, PhotonFormat, Query, RadianceEstimator, ReflectionLobe, Result, Search,
-    neighbour_radius, octahedral, shading_normal,
+    gloss_caustics, neighbour_radius, octahedral, shading_normal,
 };
 use rayon::prelude::*;
 
@@ -135,6 +135,8 @@ pub(crate) enum PowerFactor {
     Shaded(Vec3),
     /// The reflection of a glossy surface.
     Reflected(ReflectionLobe),
+    /// The same, for those photons that count for the query with this word: [`gloss_caustics::counts`].
+    Marked(ReflectionLobe, u32),
 }
 
 impl PowerFactor {
@@ -147,7 +149,8 @@ impl PowerFactor {
         if gather.reflection {
             let (wo, normal) = (octahedral::unpack(query.offset_or_wo), octahedral::unpack(query.shading_normal));
             let anisotropy = if gather.anisotropy { query.path } else { 0 };
-            return Self::Reflected(ReflectionLobe::with_anisotropy([query.media, query.coat], anisotropy, wo, normal));
+            let lobe = ReflectionLobe::with_anisotropy([query.media, query.coat], anisotropy, wo, normal);
+            return if gather.marked { Self::Marked(lobe, query.offset_or_wo) } else { Self::Reflected(lobe) };
         }
         if gather.shading_normals { Self::Shaded(octahedral::unpack(query.shading_normal)) } else { Self::Even }
     }
@@ -172,6 +175,16 @@ impl VisiblePoint {
     #[inline]
     pub(crate) fn reflected(map: &CpuMap, lobe: &ReflectionLobe, slot: u32) -> Vec3 {
         lobe.weight(map.direction(slot), map.normal(slot))
+    }
+
+    /// The same, where only those photons count that do for the query with the word `query`.
+    #[inline]
+    pub(crate) fn marked(map: &CpuMap, lobe: &ReflectionLobe, query: u32, slot: u32) -> Vec3 {
+        if gloss_caustics::counts(map.packed_direction(slot), query) {
+            Self::reflected(map, lobe, slot)
+        } else {
+            Vec3::ZERO
+        }
     }
 
     /// Vector from the point to a photon.
@@ -205,6 +218,10 @@ pub(crate) fn estimate_at(
         }
         (Powers::Colour(powers), PowerFactor::Reflected(lobe)) => {
             let power = |slot| powers[slot as usize] * VisiblePoint::reflected(map, &lobe, slot);
+            estimate_of(map, power, point, gather, scratch)
+        }
+        (Powers::Colour(powers), PowerFactor::Marked(lobe, query)) => {
+            let power = |slot| powers[slot as usize] * VisiblePoint::marked(map, &lobe, query, slot);
             estimate_of(map, power, point, gather, scratch)
         }
     }

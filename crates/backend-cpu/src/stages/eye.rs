@@ -6,7 +6,7 @@ use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32
 use photon_core::{
     Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,
     QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SurfaceInteraction, Vertex, View, anisotropy,
-    octahedral, sampling, shading_normal, shadow_terminator,
+    gloss_caustics, octahedral, sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
 
@@ -31,6 +31,8 @@ pub(crate) struct CpuEye {
     pub(crate) reflections: bool,
     /// [`photon_core::Requirements::terminator_offset`].
     pub(crate) terminator_offset: bool,
+    /// [`photon_core::Requirements::caustic_roughness`].
+    pub(crate) caustic_roughness: Option<f32>,
 }
 
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
@@ -46,8 +48,10 @@ impl EyeTracer<Cpu> for CpuEye {
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let Self { max_bounces, hides_background, reflections, terminator_offset } = *self;
-        let eye = Eye { scene, view, pass, max_bounces, hides_background, max_splits, terminator_offset };
+        let Self { max_bounces, hides_background, reflections, terminator_offset, caustic_roughness } = *self;
+        let caustic_roughness = caustic_roughness.filter(|&least| least <= scene.roughest_caustic);
+        let eye =
+            Eye { scene, view, pass, max_bounces, hides_background, max_splits, terminator_offset, caustic_roughness };
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
         let is_shaded = scene.features.intersects(Features::SHADED);
         let look = match (is_shaded, scene.present.intersects(Features::RANDOM_SURFACES), has_lens) {
@@ -94,6 +98,8 @@ pub(crate) struct Eye<'a> {
     hides_background: bool,
     pub(crate) max_splits: u32,
     terminator_offset: bool,
+    /// Reflections at least this rough show caustics of all lights from photons; `None`: none does.
+    caustic_roughness: Option<f32>,
 }
 
 /// State of a camera path.
@@ -185,9 +191,9 @@ impl Eye<'_> {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
                 let mut radiance = environment.radiance(path.ray.direction);
-                if SHADED && path.reflected.pdf > 0.0 {
+                if SHADED && path.reflected.weighs_lights() {
                     let light = self.scene.lights.iter().rposition(|light| light.kind == Light::ENVIRONMENT);
-                    radiance *= self.share(path, light, environment.pdf(path.ray.direction));
+                    radiance *= self.share(path, light, || environment.pdf(path.ray.direction));
                 }
                 deposit(pixel, Layer::Emission, throughput.into(), radiance.to_array().map(f64::from));
             }
@@ -236,9 +242,9 @@ impl Eye<'_> {
             if SHADED && self.scene.present.contains(Features::COATED_LIGHTS) {
                 throughput *= self.scene.emission_through(hit.primitive, (hit.u, hit.v), -path.ray.direction);
             }
-            if SHADED && path.reflected.pdf > 0.0 {
+            if SHADED && path.reflected.weighs_lights() {
                 let light = light_of_triangle(&self.scene.lights, hit.primitive);
-                throughput *= self.share(path, light, self.pdf_of_light(path, light, surface.t));
+                throughput *= self.share(path, light, || self.pdf_of_light(path, light, surface.t));
             }
             deposit(pixel, Layer::Emission, throughput.into(), material.emission.map(f64::from));
         }
@@ -279,15 +285,33 @@ impl Eye<'_> {
         let rules = if SHADED { self.scene.features } else { self.scene.features.difference(Features::FOLLOWED) };
         let bsdf = match Scattering::at(rules, &self.scene.rough_glass, &vertex) {
             Scattering::Glossy(glossy) => {
-                let at = GlossyPoint { surface: &lit, normal, media: interface.before, glossy: &glossy };
+                let shows_all =
+                    self.caustic_roughness.map(|least| gloss_caustics::narrowest(material, &layers) >= least);
+                let media = interface.before;
+                let at =
+                    GlossyPoint { surface: &lit, normal, media, glossy: &glossy, shows_all: shows_all == Some(true) };
                 let leaves = if REFLECTIONS {
                     // Relative to the normal as the query has it.
                     let packed = || anisotropy::pack(&layers, octahedral::unpack(octahedral::pack(normal)));
                     let anisotropy = self.scene.present.contains(Features::ANISOTROPY).then(packed);
-                    Leaves::reflection(material, &layers, &glossy, seen(), anisotropy)
+                    // Without lights that have photons for every reflection, others need no query.
+                    let only_all = !self.scene.present.intersects(Features::DELTA_LIGHTS);
+                    if shows_all == Some(false) && only_all {
+                        Leaves::none()
+                    } else {
+                        Leaves::reflection(material, &layers, &glossy, seen(), anisotropy)
+                    }
                 } else {
                     self.light_reflection::<ALPHA>(path, &at, seen(), pixel, sampler);
                     Leaves::base(&at, seen())
+                };
+                let query = |throughput: Vec3, branch: u32, words: [u32; 2]| {
+                    let made = query(throughput, branch, words);
+                    let offset_or_wo = match shows_all {
+                        Some(all) if REFLECTIONS => gloss_caustics::with_mark(made.offset_or_wo, all),
+                        _ => made.offset_or_wo,
+                    };
+                    Query { offset_or_wo, ..made }
                 };
                 return self.reflect(path, &at, &leaves, queries, query, sampler);
             }

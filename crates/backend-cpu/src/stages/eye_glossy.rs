@@ -23,6 +23,8 @@ pub(crate) struct Reflection {
     position: Vec3,
     /// Geometric normal on the side to which the path goes on.
     normal: Vec3,
+    /// Whether photons show light that arrives there by way of something specular: [`photon_core::gloss_caustics`].
+    shows_all: bool,
 }
 
 /// A glossy surface where a camera path arrives.
@@ -35,6 +37,8 @@ pub(crate) struct GlossyPoint<'a> {
     /// The media in front of it.
     pub(crate) media: MediumStack,
     pub(crate) glossy: &'a Glossy,
+    /// Whether photons show caustics of all lights in its reflection.
+    pub(crate) shows_all: bool,
 }
 
 /// The query that a path leaves at a glossy surface.
@@ -71,6 +75,12 @@ impl Leaves {
             sheen: None,
             anisotropy: None,
         }
+    }
+
+    /// None at all: the path goes on by the reflection.
+    pub(crate) fn none() -> Self {
+        let (first, throughput, words, transmitted) = (1.0, Vec3::ZERO, [0; 2], (0.0, Vec3::ZERO));
+        Self { first, throughput, scale: 1.0, words, transmitted, clearcoat: None, sheen: None, anisotropy: None }
     }
 
     /// For the reflection of `material`: the path goes on in search of other glossy surfaces.
@@ -116,11 +126,17 @@ impl Reflection {
     /// After a specular surface.
     #[inline]
     pub(crate) fn before_specular(self) -> Self {
-        Self { pdf: if self.pdf == 0.0 { 0.0 } else { -1.0 }, ..Self::default() }
+        Self { pdf: if self.pdf == 0.0 { 0.0 } else { -1.0 }, shows_all: self.shows_all, ..Self::default() }
     }
 
     pub(crate) fn new(pdf: f32, position: Vec3, normal: Vec3) -> Self {
-        Self { pdf, position, normal }
+        Self { pdf, position, normal, shows_all: false }
+    }
+
+    /// Whether light that the path finds is not counted in full: where shadow rays or photons find it too.
+    #[inline]
+    pub(crate) fn weighs_lights(&self) -> bool {
+        self.pdf > 0.0 || self.shows_all
     }
 }
 
@@ -245,17 +261,22 @@ impl Eye<'_> {
             path.branch |= 1 << path.splits;
             path.splits += 1;
         }
-        path.reflected = Reflection::new(reflected.pdf, surface.start, surface.normal);
+        let shows_all = at.shows_all;
+        path.reflected = Reflection { shows_all, ..Reflection::new(reflected.pdf, surface.start, surface.normal) };
         path.media = at.media;
         path.ray = surface.spawn(Lobe::SpecularReflection, direction);
         Some(None)
     }
 
     /// The weight of light that a reflected path has found itself: `pdf` is the density with which a shadow ray samples
-    /// its direction once it has chosen `light`.
-    pub(crate) fn share(&self, path: &Path, light: Option<usize>, pdf: f32) -> f32 {
+    /// its direction once it has chosen `light`. 0 by way of something specular, where photons have the light.
+    pub(crate) fn share(&self, path: &Path, light: Option<usize>, pdf: impl FnOnce() -> f32) -> f32 {
         let Some(light) = light else { return 1.0 };
-        let Reflection { position, normal, pdf: reflected } = path.reflected;
+        let Reflection { position, normal, pdf: reflected, .. } = path.reflected;
+        if reflected < 0.0 {
+            return 0.0;
+        }
+        let pdf = pdf();
         let chosen = LightSampler::at(self.scene, position, normal).probability(light) as f32;
         balance(reflected, pdf * chosen)
     }

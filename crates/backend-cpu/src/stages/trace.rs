@@ -7,9 +7,9 @@ use photon_core::glam::Vec3;
 use photon_core::photon_sample::{Arriving, GlossyLobe, PhotonSample};
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Deposits, Fate, Features, FixedFlux, Hit, Layers, Light, Lobe, MapKind, MediaFeatures, MediumStack, PerMap,
-    Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, Scattering, Scheduling, Settings, SkipLimit,
-    SurfaceInteraction, Tally, Tracer, Vertex, light_features, octahedral, shading_normal,
+    Batch, Deposits, Fate, Features, FixedFlux, Hit, Layers, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
+    PhotonFormat, PhotonRay, Ray, Requirements, Result, Scattering, Scheduling, Settings, SkipLimit,
+    SurfaceInteraction, Tally, Tracer, Vertex, gloss_caustics, octahedral, shading_normal,
 };
 
 use self::kernel::{AIMED, BATCHED, NESTED, REFLECTED, REFLECTIONS, SHADED, kernel};
@@ -30,6 +30,7 @@ pub(crate) struct CpuTracer {
     nested: bool,
     aimed: bool,
     reflections: bool,
+    caustic_roughness: Option<f32>,
     tally: Tally,
 }
 
@@ -38,7 +39,8 @@ impl CpuTracer {
         let (scheduling, max_bounces) = (settings.scheduling, settings.max_bounces);
         let nested = required.media.contains(MediaFeatures::NESTED);
         let (aimed, reflections, tally) = (false, false, Tally::default());
-        Self { scheduling, max_bounces, features: required.features, nested, aimed, reflections, tally }
+        let (features, caustic_roughness) = (required.features, required.caustic_roughness(settings));
+        Self { scheduling, max_bounces, features, nested, aimed, reflections, caustic_roughness, tally }
     }
 
     /// For aimed paths, which end at the first diffuse surface.
@@ -77,7 +79,8 @@ impl Tracer<Cpu> for CpuTracer {
             (false, true) => follow::<REFLECTIONS>,
             (false, false) => kernel(self.features, self.nested, self.aimed),
         };
-        let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, in_batches, follow };
+        let all_lights = self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic);
+        let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, all_lights, in_batches, follow };
         let rays = rays.as_slice();
         let outputs = match self.scheduling {
             Scheduling::Static => share_statically(on, &walk, rays),
@@ -110,6 +113,8 @@ pub(super) struct Walk<'a> {
     batch: &'a Batch,
     wanted: PerMap<bool>,
     max_bounces: u32,
+    /// Whether photons for reflections are stored of all lights, with a mark: [`gloss_caustics`].
+    all_lights: bool,
     in_batches: bool,
     pub(super) follow: Follow,
 }
@@ -241,10 +246,13 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         let target = if is_first || !walk.wanted[kind] { None } else { Some(&mut output.photons[kind]) };
         let met = if features.intersects(Features::RANDOM_SURFACES) { Some((scene, &hit)) } else { None };
         let wo = -ray.direction;
-        let store = Store { target, kind, surface: &surface, wo, met };
+        let store = Store { target, kind, surface: &surface, wo, met, mark: None };
         if reflections && material.has_reflection() {
-            if is_reflected(scene, start) {
-                store.add(power, tally);
+            let light = scene.lights.get(start.light as usize);
+            let is_sampled_only = light.is_some_and(gloss_caustics::is_sampled_only);
+            if walk.all_lights || is_sampled_only {
+                let mark = walk.all_lights.then_some(is_sampled_only);
+                Store { mark, ..store }.add(power, tally);
             }
             return tally.end(Fate::Terminated, flux);
         }
@@ -329,6 +337,8 @@ struct Store<'a> {
     wo: Vec3,
     /// Where the surface is met by a share of the photons, each of which stands for the others too: its hit.
     met: Option<(&'a CpuScene, &'a Hit)>,
+    /// That of its direction, if it has one: [`gloss_caustics::with_mark`].
+    mark: Option<bool>,
 }
 
 impl Store<'_> {
@@ -337,17 +347,12 @@ impl Store<'_> {
         let Some(photons) = self.target else { return };
         tally.stored[self.kind] += 1;
         let arriving = self.met.map_or(power, |(scene, hit)| power / scene.met_share(hit));
+        let direction = octahedral::pack(self.wo);
         photons.push(Photon {
             position: self.surface.point.into(),
             normal: octahedral::pack(self.surface.normal),
             power: arriving.into(),
-            direction: octahedral::pack(self.wo),
+            direction: self.mark.map_or(direction, |marked| gloss_caustics::with_mark(direction, marked)),
         });
     }
-}
-
-/// Whether camera paths cannot find the light that a path from `start` carries.
-fn is_reflected(scene: &CpuScene, start: &PhotonRay) -> bool {
-    let is_delta = |light: &Light| light_features(light).intersects(Features::DELTA_LIGHTS);
-    scene.lights.get(start.light as usize).is_some_and(is_delta)
 }

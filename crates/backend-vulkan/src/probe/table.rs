@@ -9,7 +9,7 @@ use photon_core::{Kernel, RandomKind, fresnel, math, octahedral, offset, samplin
 
 use super::compare::Bound;
 use super::draw::{Draw, LAST, input};
-use super::{Input, Output, area, bias, solid_angle};
+use super::{Input, Output, area, bias, gloss_caustics, solid_angle};
 use crate::device::Module;
 use crate::shaders;
 
@@ -36,6 +36,7 @@ pub(super) fn rows() -> Vec<Row> {
         solid_angle::rows(),
         area::rows(),
         bias::rows(),
+        gloss_caustics::rows(),
     ]
     .concat()
 }

@@ -36,6 +36,8 @@ pub(crate) struct VulkanEye {
     reflections: bool,
     /// [`photon_core::Requirements::terminator_offset`].
     terminator_offset: bool,
+    /// [`Requirements::caustic_roughness`].
+    caustic_roughness: Option<f32>,
     scan: Scan,
     camera: Memory,
     scratch: Option<EyeScratch>,
@@ -107,7 +109,7 @@ specialized!(
     eye_constants: EyeConstants => STAGES_EYE,
     0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures,
     6 weighed: u32, 7 hides_background: bool, 8 reflections: bool,
-    9 terminator_offset: bool;
+    9 terminator_offset: bool, 11 caustic_roughness: u32, 12 marked: bool;
     default shared_groups
 );
 
@@ -122,6 +124,7 @@ impl VulkanEye {
             hides_background: settings.transparent_background,
             reflections: false,
             terminator_offset: required.terminator_offset,
+            caustic_roughness: required.caustic_roughness(settings),
             scan: Scan::new(on)?,
             camera,
             scratch: None,
@@ -167,6 +170,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
         // Tiles of 32 pixels, as square as possible.
         let tile_rows = if view.height >= 4 { 2 } else { 0 };
+        let caustic_roughness = self.caustic_roughness.filter(|&least| least <= scene.roughest_caustic());
         let constants = EyeConstants {
             features,
             max_splits: splits,
@@ -177,6 +181,8 @@ impl EyeTracer<Vulkan> for VulkanEye {
             hides_background: self.hides_background,
             reflections: self.reflections,
             terminator_offset: self.terminator_offset && scene.has_vertex_normals(),
+            caustic_roughness: caustic_roughness.map_or(u32::MAX, f32::to_bits),
+            marked: caustic_roughness.is_some() && scene.has_lights_without_extent(),
         };
         let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);

@@ -10,7 +10,8 @@ mod push;
 mod scratch;
 
 use photon_core::{
-    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Result, Scheduling, Settings, Tally, Tracer,
+    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result, Scheduling, Settings,
+    Tally, Tracer,
 };
 
 use self::push::{
@@ -45,6 +46,8 @@ pub(crate) struct VulkanTracer {
     fates: usize,
     /// Whether photons are those of [`photon_core::GlossCaustics`].
     reflections: bool,
+    /// [`photon_core::Requirements::caustic_roughness`].
+    caustic_roughness: Option<f32>,
     scan: Scan,
     /// Current maximum number of paths in a chunk, adapted to the photons stored so far.
     longest: u64,
@@ -69,8 +72,9 @@ impl VulkanTracer {
 
     /// Constructs a tracer for [`photon_core::GlossCaustics`]: aimed or not, paths end at the first surface that is not
     /// perfectly specular.
-    pub(crate) fn for_reflections(on: &mut Vulkan, settings: &Settings) -> Result<Self> {
-        Ok(Self { reflections: true, ..Self::aimed(on, settings)? })
+    pub(crate) fn for_reflections(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
+        let caustic_roughness = required.caustic_roughness(settings);
+        Ok(Self { reflections: true, caustic_roughness, ..Self::aimed(on, settings)? })
     }
 
     fn with_fates(on: &mut Vulkan, settings: &Settings, fates: usize) -> Result<Self> {
@@ -82,6 +86,7 @@ impl VulkanTracer {
             max_bounces: settings.max_bounces,
             fates,
             reflections: false,
+            caustic_roughness: None,
             scan: Scan::new(on)?,
             longest: LONGEST,
             scratch: None,
@@ -159,6 +164,7 @@ impl VulkanTracer {
             media: scene.media(),
             reflections: self.reflections,
             shared_groups: plan.shared_groups,
+            all_lights: self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic()),
         };
         let trace = on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)?;
         loop {

@@ -2,7 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::requirements::features::Features;
-use crate::requirements::{has_receiver, light_features};
+use crate::requirements::gloss_caustics::roughest_caustic;
+use crate::requirements::{Requirements, has_receiver, light_features};
 use crate::scene::SceneView;
 use crate::settings::{Indirect, Settings};
 
@@ -33,5 +34,24 @@ pub(super) fn check_irradiance(scene: &SceneView<'_>, settings: &Settings) -> Re
             })
         }
         _ => Ok(()),
+    }
+}
+
+/// Whether reflections of this scene show caustics of all lights from photons. Camera paths leave these out, so that stages
+/// which do not estimate them would lose light.
+pub(super) fn all_lights(
+    scene: &SceneView<'_>,
+    settings: &Settings,
+    required: &Requirements,
+    is_estimated: bool,
+) -> Result<bool> {
+    let Some(least) = required.caustic_roughness(settings) else { return Ok(false) };
+    match least <= roughest_caustic(scene) {
+        true if !is_estimated => Err(Error::InvalidSetting {
+            name: "caustic-roughness",
+            value: least.to_string(),
+            hint: "these stages, or their estimator, have no photons for reflections: leave it out",
+        }),
+        found => Ok(found),
     }
 }

@@ -77,6 +77,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 reflection: slot.reflected,
                 anisotropy: slot.reflected && self.anisotropy,
                 sheen: slot.reflected && self.sheen,
+                marked: slot.reflected && self.marked,
                 ..radii::gather(&self.settings, slot.radius, index)
             };
             let MapSlot { kind, reflected, .. } = *slot;

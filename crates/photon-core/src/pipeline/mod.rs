@@ -49,6 +49,8 @@ pub struct Pipeline<B: TransportBackend> {
     anisotropy: bool,
     /// Whether it has sheen.
     sheen: bool,
+    /// [`crate::EstimateParams::marked`], for reflections.
+    marked: bool,
     settings: Settings,
     /// Paths per pass in the settings, even if fewer fit into memory.
     asked: u32,
@@ -199,6 +201,7 @@ impl<B: TransportBackend> Pipeline<B> {
         if !(required.gloss_caustics && stages.map.estimator.weighs_reflections()) {
             stages.gloss_caustics = None;
         }
+        let all_lights = check::all_lights(scene, &settings, &required, stages.gloss_caustics.is_some())?;
         let format = if stages.gloss_caustics.is_some() { PhotonFormat::Full } else { required.photon_format };
         let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);
         let plan = match settings.memory {
@@ -242,6 +245,7 @@ impl<B: TransportBackend> Pipeline<B> {
             shading_normals: Features::of(scene).contains(Features::SHADING_NORMALS),
             anisotropy: Features::of(scene).contains(Features::ANISOTROPY),
             sheen: Features::of(scene).contains(Features::SHEEN),
+            marked: all_lights && Features::of(scene).intersects(Features::DELTA_LIGHTS),
             asked: settings.photons,
             settings,
             view,

@@ -75,5 +75,6 @@ pub(crate) fn gather(settings: &Settings, radius: f32, index: u32) -> EstimatePa
         reflection: false,
         anisotropy: false,
         sheen: false,
+        marked: false,
     }
 }

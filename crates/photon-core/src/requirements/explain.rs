@@ -3,9 +3,10 @@
 use crate::projection::{NoProjection, ProjectionMap};
 use crate::radius::radii;
 use crate::requirements::features::Features;
+use crate::requirements::gloss_caustics::{has_gloss_caustics, roughest_caustic};
 use crate::requirements::map_kind::MapKind;
 use crate::requirements::photon_format::PhotonFormat;
-use crate::requirements::{Requirements, has_gloss_caustics, has_receiver, light_features, material_features};
+use crate::requirements::{Requirements, has_receiver, light_features, material_features};
 use crate::scene::SceneView;
 use crate::scene::light::Light;
 use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
@@ -115,11 +116,17 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             say("aimed photons", aimed, &why);
         }
     }
-    let perfect = has_gloss_caustics(scene);
+    let (without_extent, roughest) = (has_gloss_caustics(scene), roughest_caustic(scene));
+    let is_rough = settings.caustic_roughness.is_some_and(|least| least <= roughest);
+    let perfect = without_extent || is_rough;
     say(
         "caustics in glossy reflections",
         required.gloss_caustics,
         match (required.gloss_caustics, perfect, matches!(settings.estimator, Estimator::Paper(_))) {
+            (true, ..) if !without_extent => {
+                "light may reach rough reflections by way of perfect mirrors or smooth glass: photons for them have a map of \
+                 32 bytes each, and camera paths are traced once more"
+            }
             (true, ..) => {
                 "point, spot or directional lights may reach glossy surfaces by way of perfect mirrors or smooth glass: photons for their \
                  reflection have a map of 32 bytes each, and camera paths are traced once more"
@@ -131,6 +138,20 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             (false, true, false) => "caustics are left out, or no light reaches mirrors, glass or glossy surfaces",
         },
     );
+    let least = settings.caustic_roughness.unwrap_or_default();
+    let why = match (required.gloss_caustics_of_all_lights, settings.caustic_roughness, roughest) {
+        (true, ..) => {
+            format!("where the roughness is at least {least}, photons find it, and camera paths leave it out")
+        }
+        (_, _, roughest) if roughest < 0.0 => {
+            "no area light and no environment, or no glossy surface, or no perfect mirror and no smooth glass"
+                .to_owned()
+        }
+        (_, None, _) => "camera paths find it, by chance; --caustic-roughness has it from photons".to_owned(),
+        (_, Some(_), _) if !is_rough => format!("every glossy surface has a roughness below {least}"),
+        _ => "caustics in glossy reflections are left out".to_owned(),
+    };
+    say("those of area lights and environments", required.gloss_caustics_of_all_lights, &why);
     let any_map = required.maps.any();
     say(
         "photons",

@@ -2,11 +2,13 @@
 
 pub(crate) mod explain;
 pub(crate) mod features;
+pub(crate) mod gloss_caustics;
 pub(crate) mod map_kind;
 pub(crate) mod photon_format;
 
 use crate::error::{Error, Result};
 use crate::requirements::features::Features;
+use crate::requirements::gloss_caustics::{has_gloss_caustics, roughest_caustic, shows_gloss_caustics};
 use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
@@ -15,9 +17,8 @@ use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediaFeatures;
 use crate::scene::solids::Solids;
 use crate::scene::texture::{MaterialTextures, ShadingTables};
-use crate::settings::{CausticPhotons, Direct, Estimator, Indirect, Settings};
+use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 use crate::shading::light_sampler::MAX_LIGHTS;
-use crate::shading::rough_glass;
 
 /// The features, maps and stages that are needed for a scene.
 ///
@@ -36,9 +37,12 @@ pub struct Requirements {
     /// Whether the caustic map is filled by separate, aimed paths, unless [`crate::ProjectionMap`] finds
     /// that this is not worthwhile.
     pub aimed: bool,
-    /// Point, spot or directional light may reach glossy surfaces by way of perfect mirrors or smooth glass, and is shown in
-    /// their reflection: [`crate::GlossCaustics`].
+    /// Light may reach glossy surfaces by way of perfect mirrors or smooth glass, and is shown in their reflection from
+    /// photons: that of point, spot and directional lights, at least: [`crate::GlossCaustics`].
     pub gloss_caustics: bool,
+    /// Reflections at least as rough as [`Settings::caustic_roughness`] show such light of all lights; implies
+    /// `gloss_caustics`.
+    pub gloss_caustics_of_all_lights: bool,
     /// Direct light is computed with shadow rays.
     pub shadow_rays: bool,
     /// Shadow rays from triangles with vertex normals start outside the mesh: [`crate::shadow_terminator`].
@@ -62,12 +66,15 @@ impl Requirements {
         let features = Features::of(scene);
         let shadow_rays = receives && settings.direct == Direct::Nee;
         let samples_lights = shadow_rays || features.intersects(Features::FOLLOWED);
+        let shows = maps[MapKind::Caustic] && shows_gloss_caustics(settings);
+        let all_lights = shows && settings.caustic_roughness.is_some_and(|least| least <= roughest_caustic(scene));
         Self {
             features,
             media: Solids::of(scene).features(),
             maps,
             aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
-            gloss_caustics: maps[MapKind::Caustic] && shows_gloss_caustics(settings) && has_gloss_caustics(scene),
+            gloss_caustics: shows && (all_lights || has_gloss_caustics(scene)),
+            gloss_caustics_of_all_lights: all_lights,
             shadow_rays,
             terminator_offset: settings.terminator_offset && samples_lights && !scene.shading.normals.is_empty(),
             final_gather: receives && settings.indirect == Indirect::Gather,
@@ -85,6 +92,7 @@ impl Requirements {
             maps,
             aimed: maps[MapKind::Caustic] && settings.caustic_photons != CausticPhotons::Shared,
             gloss_caustics: shows_gloss_caustics(settings),
+            gloss_caustics_of_all_lights: shows_gloss_caustics(settings) && settings.caustic_roughness.is_some(),
             shadow_rays: settings.direct == Direct::Nee,
             terminator_offset: settings.terminator_offset,
             final_gather: settings.indirect == Indirect::Gather,
@@ -97,6 +105,13 @@ impl Requirements {
     #[must_use]
     pub fn samples_lights(&self, present: Features) -> bool {
         self.shadow_rays || present.intersects(Features::FOLLOWED)
+    }
+
+    /// [`Settings::caustic_roughness`], if some reflection may show caustics of all lights. In a scene whose
+    /// [`roughest_caustic`] is below it, none does.
+    #[must_use]
+    pub fn caustic_roughness(&self, settings: &Settings) -> Option<f32> {
+        settings.caustic_roughness.filter(|_| self.gloss_caustics_of_all_lights)
     }
 
     /// Checks that stages built for `self` support the features `needed`.
@@ -171,30 +186,6 @@ fn reads(settings: &Settings, kind: MapKind) -> bool {
         MapKind::Caustic => settings.caustics || gather,
         MapKind::Global => settings.indirect != Indirect::None,
     }
-}
-
-/// Whether caustics are shown in the reflections of glossy surfaces, if there are any. The paper's equation has no BSDF.
-fn shows_gloss_caustics(settings: &Settings) -> bool {
-    settings.caustics && !matches!(settings.estimator, Estimator::Paper(_))
-}
-
-/// Whether `scene` can have caustics that only photons find in the reflection of glossy surfaces.
-pub(crate) fn has_gloss_caustics(scene: &SceneView<'_>) -> bool {
-    // Rough glass is smooth where a texture makes it so, and between equal media, which solids that overlap may have.
-    let nested = || Solids::of(scene).features().contains(MediaFeatures::NESTED);
-    let is_perfect = |material: &Material| match material.kind() {
-        MaterialKind::Mirror => true,
-        MaterialKind::Thin => !material.is_rough_glass() || material.textures != 0,
-        MaterialKind::Dielectric => {
-            let is_matched = (material.ior - 1.0).abs() < rough_glass::MIN_CONTRAST;
-            !material.is_rough_glass() || material.textures != 0 || is_matched || nested()
-        }
-        MaterialKind::Lambert | MaterialKind::Glossy => false,
-    };
-    let is_glossy = |material: &Material| material.kind() == MaterialKind::Glossy && reflects(material, scene);
-    scene.materials_in_use().any(is_glossy)
-        && Features::of(scene).intersects(Features::DELTA_LIGHTS)
-        && scene.materials_in_use().any(is_perfect)
 }
 
 /// Whether camera paths and photons go on from a material by reflection or refraction: a sheet that transmits diffusely may

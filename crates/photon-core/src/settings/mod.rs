@@ -195,6 +195,12 @@ pub struct Settings {
     pub caustics: bool,
     /// Which light paths fill the caustic map.
     pub caustic_photons: CausticPhotons,
+    /// `Some(r)`, r in `[0, 1]`: where every part of a glossy reflection (coat or metal, clearcoat, sheen) has at least the
+    /// roughness r, it shows light of all lights that arrives by way of perfect mirrors or smooth glass from photons, in
+    /// [`crate::Layer::Caustic`], where camera paths that follow the reflection would find it by chance, if the light is
+    /// small. `None`: only light of point, spot and directional lights, which no camera path finds
+    /// ([`crate::GlossCaustics`]). Without effect if [`Settings::caustics`] is false, and with [`Estimator::Paper`].
+    pub caustic_roughness: Option<f32>,
     /// Maximum path length, counted in surfaces met, ≥ 1; for photon paths and camera paths.
     pub max_bounces: u32,
     /// Key of all random numbers.
@@ -255,6 +261,7 @@ impl Default for Settings {
             indirect: Indirect::default(),
             caustics: true,
             caustic_photons: CausticPhotons::default(),
+            caustic_roughness: None,
             max_bounces: 64,
             seed: 0,
             alpha: 2.0 / 3.0,
@@ -308,6 +315,10 @@ impl Settings {
         length("radius-factor", Some(self.radius_factor))?;
         let aimed = self.caustic_photons != CausticPhotons::Aimed(0);
         ensure(aimed, "caustic-photons", "0".into(), "at least 1 is needed; to leave caustics out, turn them off")?;
+        if let Some(roughness) = self.caustic_roughness {
+            let hint = "must lie between 0 and 1; without it, only lights without extent have photons for reflections";
+            ensure((0.0..=1.0).contains(&roughness), "caustic-roughness", roughness.to_string(), hint)?;
+        }
         match self.estimator {
             Estimator::Radius { radius } => length("radius", radius)?,
             Estimator::Knn { k, max_radius } => {

@@ -11,6 +11,7 @@ mod coated_light;
 pub(crate) mod environment;
 pub mod fresnel;
 pub mod ggx;
+pub mod gloss_caustics;
 pub mod glossy;
 pub(crate) mod interaction;
 pub(crate) mod layers;

@@ -148,6 +148,10 @@ pub struct PhotonArgs {
     /// no paths besides --photons [default: auto, with --estimator paper shared].
     #[arg(long, value_name = "N", value_parser = caustic_photons, hide_short_help = true)]
     pub caustic_photons: Option<CausticPhotons>,
+    /// Reflections at least this rough (0 to 1) show caustics of area lights and environments from photons, instead of by
+    /// chance [default: none do; those of point, spot and directional lights are always from photons].
+    #[arg(long, value_name = "R", hide_short_help = true)]
+    pub caustic_roughness: Option<f32>,
     /// Maximum length of a path, in surface hits [default: 64].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub max_bounces: Option<u32>,

@@ -21,6 +21,7 @@ fn options_reach_the_settings() {
     assert_eq!(settings(&["--max-plane-distance", "0.1"]).unwrap().max_plane_distance, 0.1);
     assert_eq!(settings(&["--caustic-photons", "50k"]).unwrap().caustic_photons, CausticPhotons::Aimed(50_000));
     assert_eq!(settings(&["--caustic-photons", "shared"]).unwrap().caustic_photons, CausticPhotons::Shared);
+    assert_eq!(settings(&["--caustic-roughness", "0.5"]).unwrap().caustic_roughness, Some(0.5));
     assert_eq!(settings(&["--kernel", "cone:1.1"]).unwrap().kernel, Kernel::Cone { slope: 1.1 });
 }
 
@@ -129,6 +130,8 @@ fn absurd_values_are_refused() {
         vec!["--photons", "0"],
         vec!["--caustic-photons", "0"],
         vec!["--caustic-photons", "many"],
+        vec!["--caustic-roughness", "1.5"],
+        vec!["--caustic-roughness", "nan"],
         vec!["--photons", "1.5"],
         vec!["--size", "0x0"],
         vec!["--size", "12"],

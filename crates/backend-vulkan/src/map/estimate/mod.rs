@@ -166,6 +166,7 @@ fn radius_question(gather: &EstimateParams) -> Question {
         filter: gather.min_normal_cosine > -1.0,
         flat: gather.is_flat(),
         shading: Weighting::Even,
+        marked: gather.reflection && gather.marked,
         k: 0,
         radius: gather.radius_scale,
         min_cosine: gather.min_normal_cosine,

@@ -156,6 +156,7 @@ fn question(mode: Mode, k: u32, radius: f32) -> Question {
         filter: false,
         flat: false,
         shading: Weighting::Even,
+        marked: false,
         k,
         radius,
         min_cosine: -1.0,

@@ -83,6 +83,8 @@ pub(super) struct Question {
     pub(super) flat: bool,
     /// What photons are weighted by.
     pub(super) shading: Weighting,
+    /// [`photon_core::EstimateParams::marked`].
+    pub(super) marked: bool,
     pub(super) k: u32,
     /// Rows and counts: the radius. Otherwise a factor on every query's radius.
     pub(super) radius: f32,
@@ -146,13 +148,13 @@ pushed!(sample_push_layout: SamplePush => SEARCH_SAMPLE, photons queries points 
 specialized!(
     radius_constants: RadiusConstants => SEARCH_RADIUS,
     2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 filter: bool, 6 error_moments: bool, 7 flat: bool, 8 turns: u32,
-    9 format: PhotonFormat, 10 shading: u32
+    9 format: PhotonFormat, 10 shading: u32, 11 marked: bool
 );
 
 specialized!(
     nearest_constants: NearestConstants => SEARCH_K_NEAREST,
     2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 filter: bool, 6 mode: u32, 7 wide: bool, 8 turns: u32,
-    9 format: PhotonFormat, 10 shading: u32
+    9 format: PhotonFormat, 10 shading: u32, 11 marked: bool
 );
 
 specialized!(
@@ -236,6 +238,7 @@ impl MapSearch {
                     turns,
                     format,
                     shading: question.shading.number(),
+                    marked: question.marked,
                 };
                 on.kernel(&shaders::SEARCH_RADIUS, workgroup, &constants)?
             }
@@ -253,6 +256,7 @@ impl MapSearch {
                     turns,
                     format,
                     shading: question.shading.number(),
+                    marked: question.marked,
                 };
                 on.kernel(&shaders::SEARCH_K_NEAREST, workgroup, &constants)?
             }

@@ -40,7 +40,9 @@ pub struct Aimed<B: TransportBackend> {
 }
 
 /// Stages for light that reaches a glossy surface from a point, spot or directional light by way of perfect mirrors and
-/// smooth glass alone, as its reflection shows it: no camera path that follows the reflection can find such a light.
+/// smooth glass alone, as its reflection shows it: no camera path that follows the reflection can find such a light. With
+/// [`crate::Requirements::gloss_caustics_of_all_lights`], likewise for all other lights where the reflection is rough enough
+/// ([`crate::gloss_caustics`]); camera paths of [`Stages::eye`] then do not add them.
 ///
 /// The photons have a map of their own, in [`crate::PhotonFormat::Full`], whose estimates
 /// ([`EstimateParams::reflection`]) are added to [`crate::Layer::Caustic`].
@@ -49,7 +51,7 @@ pub struct Aimed<B: TransportBackend> {
 pub struct GlossCaustics<B: TransportBackend> {
     /// Traces the paths of the caustic map once more, to the first surface that is not perfectly specular. There it stores
     /// a photon of the full power that arrives, as [`crate::MapKind::Caustic`], if the surface is glossy, and the path has
-    /// such a light, and met something specular before.
+    /// such a light, and met something specular before. Where all lights count, photons are marked.
     pub tracer: Box<dyn Tracer<B>>,
     /// Traces camera paths which leave a query for the reflection at each glossy surface, weighted by the probability that
     /// it is left, and none at other surfaces; adds nothing to the film.

@@ -33,6 +33,10 @@ pub struct EstimateParams {
     pub anisotropy: bool,
     /// With `reflection`, in scenes with [`crate::Features::SHEEN`]: it may be that of a sheen.
     pub sheen: bool,
+    /// With `reflection`, where [`crate::Settings::caustic_roughness`] lets some queries count photons of all lights and others
+    /// do not: a photon counts if [`crate::gloss_caustics::counts`] says so of [`crate::Photon::direction`] and
+    /// [`crate::Query::offset_or_wo`].
+    pub marked: bool,
 }
 
 impl EstimateParams {
@@ -53,6 +57,7 @@ impl EstimateParams {
             reflection: false,
             anisotropy: false,
             sheen: false,
+            marked: false,
         }
     }
 

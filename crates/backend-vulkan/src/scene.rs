@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
 use photon_core::{
     Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability, offset,
+    parallel,
 };
 use photon_scene::CompressedTree;
 
@@ -254,10 +255,15 @@ impl Upload<'_> {
     }
 
     /// A table with one entry per triangle, in BVH order.
-    fn by_triangle<T: Pod>(&mut self, label: &'static str, order: &[u32], entry: impl Fn(u32) -> T) -> Result<u64> {
+    fn by_triangle<T: Pod + Send>(
+        &mut self,
+        label: &'static str,
+        order: &[u32],
+        entry: impl Fn(u32) -> T + Sync,
+    ) -> Result<u64> {
         let address = self.room::<T>(label, order.len())?;
         for (block, ids) in order.chunks(BLOCK).enumerate() {
-            let part: Vec<T> = ids.iter().map(|&id| entry(id)).collect();
+            let part: Vec<T> = parallel::collect(ids.len(), |i| entry(ids[i]));
             self.write(block * BLOCK, &part)?;
         }
         Ok(address)

@@ -91,10 +91,18 @@ impl VulkanScene {
         required.check_media(solids.features())?;
         let inside = required.media.contains(MediaFeatures::NESTED) || required.features.contains(Features::ABSORPTION);
         let locator = inside.then(|| solids.locate());
-        let start = Instant::now();
-        let tree = CompressedTree::build(view.positions, view.triangles)
-            .map_err(|source| Error::Backend { backend: "vulkan: building the BVH", source: Box::new(source) })?;
-        let build_seconds = start.elapsed().as_secs_f64();
+        let (tree, build_seconds) = match on.tree.take().filter(|(tree, _)| tree.order.len() == view.triangles.len()) {
+            Some(built) => built,
+            None => {
+                let start = Instant::now();
+                let tree = CompressedTree::build(view.positions, view.triangles).map_err(|source| Error::Backend {
+                    backend: "vulkan: building the BVH",
+                    source: Box::new(source),
+                })?;
+                let seconds = start.elapsed().as_secs_f64();
+                (tree, seconds)
+            }
+        };
         let mut upload = Upload { on, tables: Vec::new(), bytes: Vec::new() };
         let nodes = upload.table("BVH nodes", &tree.nodes)?;
         let corners = upload.by_triangle("triangles", &tree.order, |id| corners(view, id))?;

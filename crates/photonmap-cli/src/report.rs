@@ -135,7 +135,8 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
     })
 }
 
-/// Wall-clock seconds. `start` contains those from `prepare` to `trials`, and what of `device` is left after loading.
+/// Wall-clock seconds. `start` contains those from `prepare` to `trials`, and what of `device` is left after loading. On a GPU,
+/// `bvh` may be spent while the device is opened.
 fn seconds_of(setup: &StageTimings, details: &Details<'_>) -> Value {
     let seconds = |stage: Stage| details.outcome.seconds.get(stage);
     json!({

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use photon_core::{Film, LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
-use photon_scene::{LoadReport, Scene};
+use photon_scene::{CompressedTree, LoadReport, Scene};
 
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen, Opened};
@@ -129,7 +129,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
 }
 
 /// The scene, the seconds that loading it took, and the backend, which is opened meanwhile: that takes a GPU's driver half a
-/// second. `None` for several devices, and under a limit on memory, which drivers take too: then it is opened afterwards.
+/// second. If the scene is loaded first, its tree is built until the device is there. `None` for several devices, and under a limit on memory, which drivers take too: then it is opened afterwards.
 #[expect(clippy::type_complexity, reason = "three things that are made at the same time")]
 fn load_and_open(args: &RenderArgs) -> Result<((Scene, LoadReport), f64, Option<(Opened, f64)>), Fault> {
     let begun = Instant::now();
@@ -145,9 +145,23 @@ fn load_and_open(args: &RenderArgs) -> Result<((Scene, LoadReport), f64, Option<
     std::thread::scope(|threads| {
         let opening = threads.spawn(|| open(args));
         let loaded = load(None);
+        // It takes that long for GPUs only: the cores are free meanwhile. What is wrong with the scene is found later.
+        let tree = match &loaded {
+            Ok(((scene, _), _)) if !opening.is_finished() => {
+                let (begun, view) = (Instant::now(), scene.view());
+                let tree = CompressedTree::build(view.positions, view.triangles).ok();
+                tree.map(|tree| (tree, begun.elapsed().as_secs_f64()))
+            }
+            _ => None,
+        };
         let opened = opening.join().map_err(|_| Fault::failure("opening the device failed"));
         let (loaded, seconds) = loaded?;
-        Ok((loaded, seconds, Some(opened??)))
+        let (opened, device) = opened??;
+        let opened = match tree {
+            Some((tree, seconds)) => opened.with_tree(tree, seconds),
+            None => opened,
+        };
+        Ok((loaded, seconds, Some((opened, device))))
     })
 }
 

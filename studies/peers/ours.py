@@ -31,7 +31,7 @@ def measure(tools, scene, options):
     options = ["--size", f"{SIZE}x{SIZE}", *options]
     usage = run(command(tools, scene, [*options, "-o", picture, "--json", report]))
     seconds = json.loads(report.read_text())["seconds"]
-    return usage, seconds["load"] + seconds["bvh"], measures.read_layers(picture)
+    return usage, seconds["load"] + seconds["prepare"] + seconds["bvh"], measures.read_layers(picture)
 
 
 def settings(tools, scene, variant, budget):

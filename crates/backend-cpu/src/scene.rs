@@ -10,6 +10,7 @@ use photon_core::{
     Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids,
     SurfaceInteraction, alpha, interface, math, offset, radiance_scale, roughest_caustic, shadow_terminator,
 };
+use rayon::prelude::*;
 
 use crate::caster::Checked;
 use crate::cpu::Cpu;
@@ -75,17 +76,19 @@ impl CpuScene {
         let start = Instant::now();
         let caster = match &on.make_caster {
             Some(make) => Box::new(Checked::new(make(view)?, view.triangles.len())),
-            None => on.pool.install(|| {
-                photon_scene::Accel::build(view.positions, view.triangles)
-                    .map(|accel| Box::new(accel) as Box<dyn RayCaster>)
-                    .map_err(|source| Error::Backend { backend: "cpu: building the BVH", source: Box::new(source) })
-            })?,
+            None => photon_scene::Accel::build_by(view.positions, view.triangles, on.threads())
+                .map(|accel| Box::new(accel) as Box<dyn RayCaster>)
+                .map_err(|source| Error::Backend { backend: "cpu: building the BVH", source: Box::new(source) })?,
         };
+        let build_seconds = start.elapsed().as_secs_f64();
         let by_tree = present.contains(Features::LIGHT_TREE) && required.samples_lights(present);
         let vertex = |index: u32| Vec3::from(view.positions[index as usize]);
-        let vertices: Vec<[Vec3; 3]> = view.triangles.iter().map(|triangle| triangle.map(vertex)).collect();
+        let (vertices, margins): (Vec<[Vec3; 3]>, Vec<f32>) = on.pool.install(|| {
+            let corners = view.triangles.par_iter().map(|triangle| triangle.map(vertex));
+            corners.map(|corners| (corners, offset::margin(corners))).unzip()
+        });
         Ok(Self {
-            margins: vertices.iter().map(|&corners| offset::margin(corners)).collect(),
+            margins,
             vertices,
             largest_inradius: OnceLock::new(),
             primitives: view.primitives.to_vec(),
@@ -105,7 +108,7 @@ impl CpuScene {
             features: required.features,
             present,
             roughest_caustic: roughest_caustic(view),
-            build_seconds: start.elapsed().as_secs_f64(),
+            build_seconds,
         })
     }
 

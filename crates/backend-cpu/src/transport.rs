@@ -1,8 +1,10 @@
 //! Implements [`TransportBackend`]: prepares scenes and creates the stages of a pass.
 
+use std::time::Duration;
+
 use photon_core::{
     AimedStages, Area, Backend as _, Costs, FilmPixel, GlossCaustics, MapStages, PhotonFormat, ProjectionMap, Query,
-    Requirements, Result, SceneView, Settings, Stages, TransportBackend,
+    Requirements, Result, SceneView, Settings, Stage, Stages, TransportBackend,
 };
 use rayon::prelude::*;
 
@@ -22,7 +24,13 @@ impl TransportBackend for Cpu {
     type Scene = CpuScene;
 
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<CpuScene> {
-        CpuScene::new(self, scene, required)
+        let scene = CpuScene::new(self, scene, required)?;
+        let seconds = Duration::from_secs_f64(scene.build_seconds);
+        self.timings.add(Stage::Bvh, scene.build_seconds);
+        if let Some((_, since)) = &mut self.running {
+            *since += seconds;
+        }
+        Ok(scene)
     }
 
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {

@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
 use photon_core::{
     Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability, offset,
-    roughest_caustic,
+    parallel, roughest_caustic,
 };
 use photon_scene::CompressedTree;
 
@@ -94,10 +94,18 @@ impl VulkanScene {
         required.check_media(solids.features())?;
         let inside = required.media.contains(MediaFeatures::NESTED) || required.features.contains(Features::ABSORPTION);
         let locator = inside.then(|| solids.locate());
-        let start = Instant::now();
-        let tree = CompressedTree::build(view.positions, view.triangles)
-            .map_err(|source| Error::Backend { backend: "vulkan: building the BVH", source: Box::new(source) })?;
-        let build_seconds = start.elapsed().as_secs_f64();
+        let (tree, build_seconds) = match on.tree.take().filter(|(tree, _)| tree.order.len() == view.triangles.len()) {
+            Some(built) => built,
+            None => {
+                let start = Instant::now();
+                let tree = CompressedTree::build(view.positions, view.triangles).map_err(|source| Error::Backend {
+                    backend: "vulkan: building the BVH",
+                    source: Box::new(source),
+                })?;
+                let seconds = start.elapsed().as_secs_f64();
+                (tree, seconds)
+            }
+        };
         let mut upload = Upload { on, tables: Vec::new(), bytes: Vec::new() };
         let nodes = upload.table("BVH nodes", &tree.nodes)?;
         let corners = upload.by_triangle("triangles", &tree.order, |id| corners(view, id))?;
@@ -270,10 +278,15 @@ impl Upload<'_> {
     }
 
     /// A table with one entry per triangle, in BVH order.
-    fn by_triangle<T: Pod>(&mut self, label: &'static str, order: &[u32], entry: impl Fn(u32) -> T) -> Result<u64> {
+    fn by_triangle<T: Pod + Send>(
+        &mut self,
+        label: &'static str,
+        order: &[u32],
+        entry: impl Fn(u32) -> T + Sync,
+    ) -> Result<u64> {
         let address = self.room::<T>(label, order.len())?;
         for (block, ids) in order.chunks(BLOCK).enumerate() {
-            let part: Vec<T> = ids.iter().map(|&id| entry(id)).collect();
+            let part: Vec<T> = parallel::collect(ids.len(), |i| entry(ids[i]));
             self.write(block * BLOCK, &part)?;
         }
         Ok(address)

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use gpu_allocator::MemoryLocation;
 use photon_core::{Error, Result};
+use photon_scene::CompressedTree;
 
 use crate::device::{
     ComputePipeline, Device, DiskCache, Fault, Groups, Limits, Memory, Module, Options, Pipelines, Profile, RawDevice,
@@ -30,6 +31,8 @@ pub struct Vulkan {
     pub(crate) fault: Option<Error>,
     pub(crate) trace_plan: TracePlan,
     pub(crate) dispatch_limits: DispatchLimits,
+    /// A tree for the next scene, and the seconds that it took.
+    pub(crate) tree: Option<(CompressedTree, f64)>,
     watched: bool,
 }
 
@@ -75,11 +78,21 @@ impl Vulkan {
             pipelines: Pipelines::new(&device, disk)?,
             trace_plan: TracePlan::for_subgroups(device.limits.subgroup_size),
             dispatch_limits: DispatchLimits::default(),
+            tree: None,
             device,
             memory: Vec::new(),
             fault: None,
             watched: false,
         })
+    }
+
+    /// Takes this tree for the next scene that is prepared, if it has as many triangles, instead of building one: a tree can be
+    /// built while a device is opened. It must be that of the positions and triangles of the scene, or rays miss surfaces.
+    /// `seconds` is how long it took, for [`photon_core::Stage::Bvh`].
+    #[must_use]
+    pub fn with_tree(mut self, tree: CompressedTree, seconds: f64) -> Self {
+        self.tree = Some((tree, seconds));
+        self
     }
 
     /// [`crate::low_level::for_tests`].

@@ -15,3 +15,55 @@ pub(crate) fn open_edges<K: Copy + Ord>(triangles: impl IntoIterator<Item = [K; 
         .map(|same| same.iter().map(|edge| edge.2).sum::<i32>().unsigned_abs() as usize)
         .sum()
 }
+
+/// As [`open_edges`], for corners that are indices below `vertices`: in linear time, as long as few edges meet at each vertex.
+pub(crate) fn open_edges_of(vertices: usize, triangles: &[[u32; 3]]) -> usize {
+    let edges = || triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    // The edges of each vertex to those with higher indices: first their number, then where they begin.
+    let mut starts = vec![0_u32; vertices + 1];
+    edges().for_each(|(from, to)| starts[from.min(to) as usize + 1] += 1);
+    for i in 0..vertices {
+        starts[i + 1] += starts[i];
+    }
+    let mut next = starts.clone();
+    // The other vertex, and in the lowest bit whether the triangle traverses the edge towards it.
+    let mut others = vec![0_u64; 3 * triangles.len()];
+    for (from, to) in edges() {
+        let place = &mut next[from.min(to) as usize];
+        others[*place as usize] = u64::from(from.max(to)) << 1 | u64::from(from < to);
+        *place += 1;
+    }
+    let open_at = |range: std::ops::Range<u32>, others: &mut [u64]| {
+        let own = &mut others[range.start as usize..range.end as usize];
+        own.sort_unstable();
+        let same = own.chunk_by(|a, b| a >> 1 == b >> 1);
+        same.map(|edges| edges.iter().map(|edge| 2 * (edge & 1) as i64 - 1).sum::<i64>().unsigned_abs() as usize).sum()
+    };
+    (0..vertices).map(|i| -> usize { open_at(starts[i]..starts[i + 1], &mut others) }).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_are_counted_alike_by_key_and_by_index() {
+        let tetrahedron = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+        let turned = [[0, 2, 1], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+        let twice = [tetrahedron, tetrahedron].concat();
+        let degenerate = [[0, 0, 1], [1, 0, 0]];
+        let cases: [(&[[u32; 3]], usize); 7] = [
+            (&tetrahedron, 0),
+            (&turned, 6),
+            (&tetrahedron[..3], 3),
+            (&twice, 0),
+            (&twice[..7], 3),
+            (&degenerate, 2),
+            (&[], 0),
+        ];
+        for (triangles, expected) in cases {
+            assert_eq!(open_edges_of(5, triangles), expected, "{triangles:?}");
+            assert_eq!(open_edges(triangles.iter().copied()), expected, "{triangles:?}");
+        }
+    }
+}

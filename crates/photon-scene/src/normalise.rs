@@ -4,6 +4,7 @@ use crate::describe::{LightDesc, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::mesh::Mesh;
 use glam::DVec3;
+use photon_core::parallel;
 
 /// The similarity transform that recentres and scales the scene.
 #[derive(Clone, Copy, Debug)]
@@ -181,22 +182,27 @@ impl Geometry {
     }
 
     fn add(&mut self, mesh: &Mesh, emits: bool, frame: Frame, traced: bool) {
-        let wide: Vec<DVec3> = mesh.positions.iter().map(|&at| frame.point(at)).collect();
+        let wide = parallel::collect(mesh.positions.len(), |i| frame.point(mesh.positions[i]));
         // Coordinates are known to half a unit in the last place of f64; an area below the error that this
         // causes is noise.
         let noise = (frame.offset() + 1.0) * 2.0 * f64::EPSILON;
-        let mut moved = vec![u32::MAX; wide.len()];
-        for (index, &corners) in mesh.triangles.iter().enumerate() {
-            let [a, b, c] = corners.map(|index| wide[index as usize]);
+        // Normal and area; `None` without an area.
+        let faces = parallel::collect(mesh.triangles.len(), |i| {
+            let [a, b, c] = mesh.triangles[i].map(|index| wide[index as usize]);
             let (cross, area) = cross_and_area([a, b, c]);
             let longest = (b - a).length().max((c - a).length()).max((c - b).length());
             let narrow = [a, b, c].map(|at| at.as_vec3().as_dvec3());
             // Rays are tested against the rounded triangle, and sampling divides by its area.
             let (_, narrow_area) = cross_and_area(narrow);
-            if 2.0 * area <= noise * longest || narrow_area == 0.0 || area < f64::from(f32::MIN_POSITIVE) {
+            let lost = 2.0 * area <= noise * longest || narrow_area == 0.0 || area < f64::from(f32::MIN_POSITIVE);
+            (!lost).then(|| ((cross / (2.0 * area)).as_vec3().to_array(), area))
+        });
+        let mut moved = vec![u32::MAX; wide.len()];
+        for (index, (&corners, face)) in mesh.triangles.iter().zip(faces).enumerate() {
+            let Some((normal, area)) = face else {
                 self.dropped.push([self.mesh_starts.len() as u32 - 1, index as u32]);
                 continue;
-            }
+            };
             let primitive = self.triangles.len() as u32;
             self.triangles.push(corners.map(|index| {
                 let place = &mut moved[index as usize];
@@ -206,7 +212,7 @@ impl Geometry {
                 }
                 *place
             }));
-            self.primitives.push(((cross / (2.0 * area)).as_vec3().to_array(), mesh.material.0));
+            self.primitives.push((normal, mesh.material.0));
             if traced {
                 self.sources.push(index as u32);
             }

@@ -1,7 +1,7 @@
 //! Checks that refracting solids are closed and face outwards.
 
 use crate::describe::MaterialDesc;
-use crate::edges::open_edges;
+use crate::edges::{open_edges, open_edges_of};
 use crate::normalise::Geometry;
 use glam::{DVec3, Vec3};
 
@@ -14,21 +14,23 @@ pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &m
         if !material.is_solid() {
             continue;
         }
-        let triangles: Vec<[Vec3; 3]> = geometry
-            .triangles
-            .iter()
-            .zip(&geometry.primitives)
-            .filter(|(_, primitive)| primitive.1 as usize == index)
-            .map(|(corners, _)| corners.map(|vertex| Vec3::from_array(geometry.positions[vertex as usize])))
-            .collect();
+        let own = geometry.triangles.iter().zip(&geometry.primitives);
+        let own: Vec<[u32; 3]> =
+            own.filter(|(_, primitive)| primitive.1 as usize == index).map(|(&corners, _)| corners).collect();
+        let at = |vertex: u32| Vec3::from_array(geometry.positions[vertex as usize]);
+        let triangles = || own.iter().map(|corners| corners.map(at));
         let name = &material.name;
-        let open = open_edges(triangles.iter().map(|corners| corners.map(place)));
+        // Edges that cancel still do so where their vertices are the same as others.
+        let open = match open_edges_of(geometry.positions.len(), &own) {
+            0 => 0,
+            _ => open_edges(triangles().map(|corners| corners.map(place))),
+        };
         if open > 0 {
             warnings.push(format!(
                 "the solid glass '{name}' is not closed: {open} edges have a triangle on one side only; light that \
                  enters may never leave; close it, or make the material thin"
             ));
-        } else if signed_volume(&triangles) < 0.0 {
+        } else if signed_volume(triangles()) < 0.0 {
             warnings.push(format!(
                 "the solid glass '{name}' is inside out: its triangles run clockwise as seen from outside; flip \
                  them"
@@ -44,10 +46,9 @@ fn place(at: Vec3) -> [u32; 3] {
 }
 
 /// Volume enclosed by closed triangles, negative if they face inwards (divergence theorem).
-fn signed_volume(triangles: &[[Vec3; 3]]) -> f64 {
+fn signed_volume(triangles: impl Iterator<Item = [Vec3; 3]>) -> f64 {
     triangles
-        .iter()
-        .map(|corners| corners.map(Vec3::as_dvec3))
+        .map(|corners| corners.map(|corner| corner.as_dvec3()))
         .map(|[a, b, c]: [DVec3; 3]| a.dot(b.cross(c)) / 6.0)
         .sum()
 }

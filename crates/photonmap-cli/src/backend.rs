@@ -4,6 +4,7 @@
 use backend_cpu::Cpu;
 use backend_vulkan::{Candidate, Options, Vulkan};
 use clap::ValueEnum;
+use photon_scene::CompressedTree;
 
 use crate::fault::{Fault, chain};
 
@@ -46,6 +47,15 @@ pub struct Opened {
 }
 
 impl Opened {
+    /// Gives a GPU the tree of the scene that it will render, and the seconds that it took.
+    #[must_use]
+    pub fn with_tree(self, tree: CompressedTree, seconds: f64) -> Self {
+        match self.chosen {
+            Chosen::Vulkan(on) => Self { chosen: Chosen::Vulkan(Box::new(on.with_tree(tree, seconds))), ..self },
+            Chosen::Cpu(_) => self,
+        }
+    }
+
     /// Reports on standard error which one was chosen.
     #[must_use]
     pub fn report(self) -> Chosen {

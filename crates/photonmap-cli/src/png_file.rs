@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use photon_core::Film;
+use photon_core::{Film, parallel};
 
 use crate::atomic_write;
 use crate::fault::Fault;
@@ -53,12 +53,13 @@ pub fn write(path: &Path, picture: &Picture, curve: ToneMap, exposure: f32) -> R
 /// # Errors
 /// Those of the destination.
 pub fn encode(to: impl Write, picture: &Picture, curve: ToneMap, exposure: f32) -> Result<(), atomic_write::Failure> {
-    let colours = picture.colours.iter().map(|&colour| tonemap::map(curve, exposure, colour).map(tonemap::encode));
+    let colours = &picture.colours;
+    let colours = parallel::collect(colours.len(), |i| tonemap::map(curve, exposure, colours[i]).map(tonemap::encode));
     let (bytes, color): (Vec<u8>, _) = match &picture.alpha {
-        None => (colours.flatten().collect(), png::ColorType::Rgb),
+        None => (colours.into_flattened(), png::ColorType::Rgb),
         Some(alpha) => {
             let opacity = alpha.iter().map(|alpha| (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
-            (colours.zip(opacity).flat_map(|([r, g, b], a)| [r, g, b, a]).collect(), png::ColorType::Rgba)
+            (colours.into_iter().zip(opacity).flat_map(|([r, g, b], a)| [r, g, b, a]).collect(), png::ColorType::Rgba)
         }
     };
     encode_colour(to, (picture.width, picture.height), color, &bytes)

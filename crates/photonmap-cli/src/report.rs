@@ -1,6 +1,6 @@
 //! The report of a render, as JSON.
 
-use photon_core::{FluxSum, Forecast, LightShare, Outcome, PerMap, Render, Settings, Stage, Tally};
+use photon_core::{FluxSum, Forecast, LightShare, Outcome, PerMap, Render, Settings, Stage, StageTimings, Tally};
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
@@ -31,6 +31,10 @@ pub struct Details<'a> {
     pub seconds_load: f64,
     /// Seconds spent opening the device, and preparing the renderer on it.
     pub seconds_start: f64,
+    /// Seconds spent opening the device, most of them while the scene is loaded; 0 for several devices.
+    pub seconds_device: f64,
+    /// Seconds of trials by which settings are chosen.
+    pub seconds_trials: f64,
     /// Seconds from the first pass to the film on the host.
     pub seconds_passes: f64,
     /// Seconds from start to finished film.
@@ -122,27 +126,40 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
             "dropped": flux(&tally.flux_dropped),
         },
         "bytes": facts.memory.iter().cloned().map(|(label, bytes)| (label, Value::from(bytes))).collect::<serde_json::Map<_, _>>(),
-        "seconds": {
-            "load": details.seconds_load,
-            "start": details.seconds_start,
-            "passes": details.seconds_passes,
-            "bvh": facts.setup.get(Stage::Prepare),
-            "pipelines": facts.setup.get(Stage::Compile) + seconds(Stage::Compile),
-            "pilot": facts.setup.total() - facts.setup.get(Stage::Prepare),
-            "emit+trace": tracing,
-            "build": seconds(Stage::Build),
-            "eye": seconds(Stage::Eye),
-            "direct": seconds(Stage::Direct),
-            "estimate": seconds(Stage::Estimate),
-            "gather": seconds(Stage::Gather),
-            "film": seconds(Stage::Film),
-            "total": details.seconds_total,
-        },
+        "seconds": seconds_of(&facts.setup, details),
         "photons_per_second": if tracing > 0.0 { tally.emitted as f64 / tracing } else { 0.0 },
         "grain": details.grain,
         "settings": details.settings,
         "report": details.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": details.warnings,
+    })
+}
+
+/// Wall-clock seconds. `start` contains those from `prepare` to `trials`, and what of `device` is left after loading. On a GPU,
+/// `bvh` may be spent while the device is opened.
+fn seconds_of(setup: &StageTimings, details: &Details<'_>) -> Value {
+    let seconds = |stage: Stage| details.outcome.seconds.get(stage);
+    json!({
+        "load": details.seconds_load,
+        "start": details.seconds_start,
+        "device": details.seconds_device,
+        "prepare": setup.get(Stage::Prepare),
+        "bvh": setup.get(Stage::Bvh),
+        "project": setup.get(Stage::Project),
+        // Where they are needed first, which may be in the pilot pass or in others; those of trials count as trials.
+        "pipelines": setup.get(Stage::Compile) + seconds(Stage::Compile),
+        "pilot": setup.total()
+            - [Stage::Prepare, Stage::Bvh, Stage::Project].map(|stage| setup.get(stage)).iter().sum::<f64>(),
+        "trials": details.seconds_trials,
+        "passes": details.seconds_passes,
+        "emit+trace": seconds(Stage::Emit) + seconds(Stage::Trace),
+        "build": seconds(Stage::Build),
+        "eye": seconds(Stage::Eye),
+        "direct": seconds(Stage::Direct),
+        "estimate": seconds(Stage::Estimate),
+        "gather": seconds(Stage::Gather),
+        "film": seconds(Stage::Film),
+        "total": details.seconds_total,
     })
 }
 

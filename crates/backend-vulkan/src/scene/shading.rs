@@ -95,7 +95,12 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
 }
 
 /// A table with an entry for each triangle, in BVH order; 0 if it is empty.
-fn attribute<T: Pod>(upload: &mut Upload<'_>, label: &'static str, table: &[T], order: &[u32]) -> Result<u64> {
+fn attribute<T: Pod + Send + Sync>(
+    upload: &mut Upload<'_>,
+    label: &'static str,
+    table: &[T],
+    order: &[u32],
+) -> Result<u64> {
     if table.is_empty() {
         return Ok(0);
     }

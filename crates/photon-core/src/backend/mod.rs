@@ -191,8 +191,12 @@ pub struct Fill {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Stage {
-    /// The scene is uploaded to the device, and its ray-tracing structure built.
+    /// The scene is checked, and its tables are made and uploaded to the device.
     Prepare,
+    /// The ray-tracing structure is built.
+    Bvh,
+    /// Directions of lights that meet specular surfaces are marked.
+    Project,
     /// Kernels are compiled, or found in the cache on disk: the first time that they are needed.
     Compile,
     /// Photons are emitted from the lights.
@@ -215,8 +219,10 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order of execution; kernels are compiled wherever they are first needed.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Prepare,
+        Self::Bvh,
+        Self::Project,
         Self::Compile,
         Self::Emit,
         Self::Trace,
@@ -233,6 +239,8 @@ impl Stage {
     pub fn name(self) -> &'static str {
         match self {
             Self::Prepare => "prepare",
+            Self::Bvh => "bvh",
+            Self::Project => "project",
             Self::Compile => "compile",
             Self::Emit => "emit",
             Self::Trace => "trace",

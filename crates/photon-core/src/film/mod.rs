@@ -7,6 +7,7 @@ pub(crate) mod pass_set;
 use crate::error::{Error, Result};
 use crate::film::confidence::ErrorPixel;
 use crate::film::pass_set::PassSet;
+use crate::parallel;
 use crate::scene::units::Units;
 use bytemuck::Zeroable;
 use bytemuck::allocation::try_zeroed_vec;
@@ -171,26 +172,25 @@ impl Film {
     #[must_use]
     pub fn layer(&self, layer: Layer) -> Vec<[f32; 3]> {
         let factor = self.units.radiance_to_user() / f64::from(self.passes.max(1));
-        self.pixels.iter().map(|p| p.layers[layer as usize].map(|sum| (sum * factor) as f32)).collect()
+        self.each(|p| p.layers[layer as usize].map(|sum| (sum * factor) as f32))
     }
 
     /// The picture, W/(m²·sr), linear RGB: exactly the sum of the layers, in their order, in f32.
     #[must_use]
     pub fn beauty(&self) -> Vec<[f32; 3]> {
-        let mut sum = vec![[0.0_f32; 3]; self.pixels.len()];
-        for layer in Layer::ALL {
-            for (total, part) in sum.iter_mut().zip(self.layer(layer)) {
-                for c in 0..3 {
-                    total[c] += part[c];
-                }
+        let factor = self.units.radiance_to_user() / f64::from(self.passes.max(1));
+        self.each(|p| {
+            let mut sum = [0.0_f32; 3];
+            for layer in &p.layers {
+                (0..3).for_each(|c| sum[c] += (layer[c] * factor) as f32);
             }
-        }
-        if self.clamp {
-            for value in sum.iter_mut().flatten() {
-                *value = value.clamp(0.0, 1.0);
-            }
-        }
-        sum
+            if self.clamp { sum.map(|value| value.clamp(0.0, 1.0)) } else { sum }
+        })
+    }
+
+    /// A value of each pixel, by all cores.
+    fn each<T: Send>(&self, value: impl Fn(&FilmPixel) -> T + Sync) -> Vec<T> {
+        parallel::collect(self.pixels.len(), |i| value(&self.pixels[i]))
     }
 
     /// Standard error of each pixel's mean over the passes so far, mean of RGB, W/(m²·sr);
@@ -199,14 +199,11 @@ impl Film {
     pub fn standard_error(&self) -> Vec<f32> {
         let n = f64::from(self.passes);
         let factor = self.units.radiance_to_user();
-        self.pixels
-            .iter()
-            .map(|p| {
-                let mean = p.layers.iter().flatten().sum::<f64>() / 3.0 / n;
-                let variance = ((p.square / n - mean * mean) / (n - 1.0)).max(0.0);
-                if self.passes < 2 { f32::INFINITY } else { (variance.sqrt() * factor) as f32 }
-            })
-            .collect()
+        self.each(|p| {
+            let mean = p.layers.iter().flatten().sum::<f64>() / 3.0 / n;
+            let variance = ((p.square / n - mean * mean) / (n - 1.0)).max(0.0);
+            if self.passes < 2 { f32::INFINITY } else { (variance.sqrt() * factor) as f32 }
+        })
     }
 
     /// Share of the camera rays that hit a surface, in `[0, 1]`. With [`crate::Settings::transparent_background`], or
@@ -214,16 +211,13 @@ impl Film {
     #[must_use]
     pub fn alpha(&self) -> Vec<f32> {
         let passes = f64::from(self.passes.max(1));
-        self.pixels.iter().map(|p| (p.hits as f64 / passes) as f32).collect()
+        self.each(|p| (p.hits as f64 / passes) as f32)
     }
 
     /// Mean distance to the first surface, user space; infinite where no surface was hit.
     #[must_use]
     pub fn depth(&self) -> Vec<f32> {
-        self.pixels
-            .iter()
-            .map(|p| if p.hits == 0 { f32::INFINITY } else { (p.depth / p.hits as f64 * self.units.scale) as f32 })
-            .collect()
+        self.each(|p| if p.hits == 0 { f32::INFINITY } else { (p.depth / p.hits as f64 * self.units.scale) as f32 })
     }
 
     /// Mean normal of the first surface, normalised, or 0.
@@ -242,7 +236,7 @@ impl Film {
     #[must_use]
     pub fn albedo(&self) -> Vec<[f32; 3]> {
         let n = f64::from(self.passes.max(1));
-        self.pixels.iter().map(|p| p.albedo.map(|x| (x / n) as f32)).collect()
+        self.each(|p| p.albedo.map(|x| (x / n) as f32))
     }
 }
 

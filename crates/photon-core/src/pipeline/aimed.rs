@@ -1,5 +1,7 @@
 //! Light paths aimed at mirrors and glass: whether there are any, and how many.
 
+use std::time::Instant;
+
 use super::Pipeline;
 use crate::backend::TransportBackend;
 use crate::backend::memory::Costs;
@@ -10,21 +12,26 @@ use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::Settings;
 
-/// All stages of the backend, including those for aimed paths if these are worthwhile.
+/// All stages of the backend, including those for aimed paths if these are worthwhile; and the seconds that it took to find
+/// out.
 pub(super) fn stages<B: TransportBackend>(
     on: &mut B,
     scene: &SceneView<'_>,
     settings: &Settings,
     required: &Requirements,
-) -> Result<Stages<B>> {
+) -> Result<(Stages<B>, f64)> {
     let mut stages = on.stages(required, settings)?;
-    if required.aimed
-        && let Ok((projection, paths)) = ProjectionMap::chosen(scene, settings, required)
-    {
+    if !required.aimed {
+        return Ok((stages, 0.0));
+    }
+    let begun = Instant::now();
+    let chosen = ProjectionMap::chosen(scene, settings, required);
+    let seconds = begun.elapsed().as_secs_f64();
+    if let Ok((projection, paths)) = chosen {
         let aimed = on.aimed(required, settings, &projection)?;
         stages.aimed = aimed.map(|(emitter, tracer)| Aimed { emitter, tracer, paths });
     }
-    Ok(stages)
+    Ok((stages, seconds))
 }
 
 /// Memory of a backend with all its tracers: those for aimed paths, and for caustics in reflections, have memory of their

@@ -166,8 +166,10 @@ impl<B: TransportBackend> Pipeline<B> {
         required: Requirements,
         batch: u32,
     ) -> Result<Self> {
-        let stages = aimed::stages(&mut on, scene, &settings, &required)?;
-        Self::assemble(on, scene, view, settings, (required, stages), batch)
+        let (stages, seconds) = aimed::stages(&mut on, scene, &settings, &required)?;
+        let mut pipeline = Self::assemble(on, scene, view, settings, (required, stages), batch)?;
+        pipeline.setup.add(Stage::Project, seconds);
+        Ok(pipeline)
     }
 
     fn assemble(

@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::clusters::Sphere;
+use crate::parallel;
 use crate::sampling;
 use crate::scene::SceneView;
 use crate::scene::light::Light;
@@ -41,14 +42,31 @@ pub(super) fn mark(
         return if spheres.is_empty() { ControlFlow::Continue(()) } else { sink(0) };
     }
     let both = light.flags & Light::BOTH_SIDES != 0;
+    let cells = 2 * (bits.0 + bits.1);
+    let by_threads = cells >= PARALLEL_BITS && spheres.len() >= PARALLEL_SPHERES;
     for side in 0..if both { 2 } else { 1 } {
-        let beams = Beams::new(scene, light, side == 1);
+        let beams = &Beams::new(scene, light, side == 1);
         let near = (0..spheres.len() as u32).collect();
-        let mut marking = Marking { beams, bits, side, spheres, near, blocks, sink };
-        marking.descend(Block::default(), 0)?;
+        let marking = Marking { beams, bits, side, spheres, near, blocks: 0 };
+        if by_threads {
+            marking.mark_by_threads(blocks, sink)?;
+        } else {
+            let mut marking = marking;
+            let end = marking.descend(Block::default(), 0, sink);
+            *blocks += marking.blocks;
+            end?;
+        }
     }
     ControlFlow::Continue(())
 }
+
+/// With fewer cells or spheres, several threads are not worth starting.
+const PARALLEL_BITS: u32 = 14;
+const PARALLEL_SPHERES: usize = 16;
+
+/// Levels above the blocks that threads take, and how many of these are taken before their cells are received.
+const COARSE: u32 = 4;
+const BATCH: usize = 64;
 
 /// A block of cells: its position among blocks of its size, for both numbers of the point and of the
 /// direction, and the number of bits of each.
@@ -61,6 +79,11 @@ struct Block {
 }
 
 impl Block {
+    /// Levels below the block of everything.
+    fn level(&self) -> u32 {
+        self.point_bits + self.direction_bits
+    }
+
     /// Its four parts: splits the point first, as far as there are bits, then the direction.
     fn quarters(self, point_bits: u32) -> [Self; 4] {
         let part = |[x, y]: [u32; 2], i: u32| [2 * x + (i >> 1), 2 * y + (i & 1)];
@@ -74,41 +97,89 @@ impl Block {
     }
 }
 
+#[derive(Clone)]
 struct Marking<'a> {
-    beams: Beams,
+    beams: &'a Beams,
     bits: (u32, u32),
     side: u32,
     spheres: &'a [Sphere],
     /// Indices of the spheres that the current blocks can hit, those of each block after its parent's.
     near: Vec<u32>,
-    blocks: &'a mut u64,
-    sink: Sink<'a>,
+    /// Number of blocks that were tested.
+    blocks: u64,
 }
 
 impl Marking<'_> {
-    /// Marks the cells of a block that can hit one of the spheres in `near` from `first` on.
-    fn descend(&mut self, block: Block, first: usize) -> ControlFlow<()> {
-        *self.blocks += 1;
-        let beam = self.beams.of(&block);
+    /// As [`Self::descend`], by all cores: the same cells in the same order.
+    fn mark_by_threads(mut self, blocks: &mut u64, sink: Sink<'_>) -> ControlFlow<()> {
+        let mut coarse = Vec::new();
+        self.collect(Block::default(), 0, &mut coarse);
+        *blocks += self.blocks;
+        for batch in coarse.chunks(BATCH) {
+            let parts = parallel::map(parallel::threads(), batch.iter(), |_, (block, near)| {
+                let mut own = Self { near: near.clone(), blocks: 0, ..self.clone() };
+                let mut cells = Vec::new();
+                let _ = own.descend(*block, 0, &mut |cell| {
+                    cells.push(cell);
+                    ControlFlow::Continue(())
+                });
+                (cells, own.blocks)
+            });
+            for (cells, tested) in parts {
+                *blocks += tested;
+                cells.into_iter().try_for_each(&mut *sink)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The blocks at level [`COARSE`] that can hit one of the spheres in `near` from `first` on, and these spheres, in the
+    /// order of [`Self::descend`].
+    fn collect(&mut self, block: Block, first: usize, coarse: &mut Vec<(Block, Vec<u32>)>) {
+        if block.level() == COARSE {
+            coarse.push((block, self.near[first..].to_vec()));
+            return;
+        }
+        self.blocks += 1;
+        let last = self.test(&block, first, false);
+        if self.near.len() > last {
+            for quarter in block.quarters(self.bits.0) {
+                self.collect(quarter, last, coarse);
+            }
+        }
+        self.near.truncate(last);
+    }
+
+    /// Appends those of the spheres in `near` from `first` on that a block can hit, or only one of them, and returns the index
+    /// of the first.
+    fn test(&mut self, block: &Block, first: usize, one: bool) -> usize {
+        let beam = self.beams.of(block);
         let last = self.near.len();
-        let whole = (block.point_bits, block.direction_bits) == self.bits;
         for i in first..last {
             let sphere = self.near[i];
             if beam.meets(&self.spheres[sphere as usize]) {
                 self.near.push(sphere);
-                if whole {
+                if one {
                     break;
                 }
             }
         }
+        last
+    }
+
+    /// Marks the cells of a block that can hit one of the spheres in `near` from `first` on.
+    fn descend(&mut self, block: Block, first: usize, sink: Sink<'_>) -> ControlFlow<()> {
+        self.blocks += 1;
+        let whole = (block.point_bits, block.direction_bits) == self.bits;
+        let last = self.test(&block, first, whole);
         if self.near.len() > last {
             if whole {
                 let (p, q) = self.bits;
                 let ([a, b], [c, d]) = (block.point, block.direction);
-                (self.sink)((((self.side << p | a) << p | b) << q | c) << q | d)?;
+                sink((((self.side << p | a) << p | b) << q | c) << q | d)?;
             } else {
                 for quarter in block.quarters(self.bits.0) {
-                    self.descend(quarter, last)?;
+                    self.descend(quarter, last, sink)?;
                 }
             }
         }

@@ -33,21 +33,30 @@ pub(super) fn of(scene: &SceneView<'_>, among: &dyn Fn(&Material) -> bool, most:
         return Vec::new();
     }
     let depth = (PIECES / count).max(1).ilog2();
-    let mut cells = FINEST;
+    let corners = specular().map(|triangle| triangle.map(|vertex| Vec3::from(scene.positions[vertex as usize])));
+    around(corners, depth, most)
+}
+
+/// At most `most` spheres around triangles, which are bisected at most `depth` times.
+fn around(triangles: impl Iterator<Item = [Vec3; 3]>, depth: u32, most: usize) -> Vec<Sphere> {
+    // Those that are not larger than a cell of the finest grid are in one cell of each coarser grid too.
+    let (mut small, mut large) = (Grid::new(FINEST), Vec::new());
+    for triangle in triangles {
+        if depth > 0 && small.is_larger(triangle) { large.push(triangle) } else { small.add(triangle, 0) }
+    }
     loop {
-        let mut grid = Grid::new(cells);
-        for triangle in specular() {
-            grid.add(triangle.map(|vertex| Vec3::from(scene.positions[vertex as usize])), depth);
-        }
+        let mut grid = small.clone();
+        large.iter().for_each(|&triangle| grid.add(triangle, depth));
         let spheres = grid.spheres();
-        if spheres.len() <= most || cells == 1 {
+        if spheres.len() <= most || grid.cells == 1 {
             return spheres;
         }
-        cells /= 2;
+        small = small.halved();
     }
 }
 
 /// Bounding boxes of the triangles in each cell of a grid over the unit box.
+#[derive(Clone)]
 struct Grid {
     cells: usize,
     boxes: Vec<(Vec3, Vec3)>,
@@ -56,6 +65,23 @@ struct Grid {
 impl Grid {
     fn new(cells: usize) -> Self {
         Self { cells, boxes: vec![(Vec3::INFINITY, Vec3::NEG_INFINITY); cells.pow(3)] }
+    }
+
+    /// The grid of half as many cells along each axis.
+    fn halved(&self) -> Self {
+        let mut half = Self::new(self.cells / 2);
+        for (i, (low, high)) in self.boxes.iter().enumerate().filter(|(_, (low, high))| low.x <= high.x) {
+            let [x, y, z] = [i / self.cells / self.cells, i / self.cells % self.cells, i % self.cells].map(|at| at / 2);
+            let whole = &mut half.boxes[(x * half.cells + y) * half.cells + z];
+            *whole = (whole.0.min(*low), whole.1.max(*high));
+        }
+        half
+    }
+
+    /// Whether a triangle is larger than a cell.
+    fn is_larger(&self, [a, b, c]: [Vec3; 3]) -> bool {
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        longest * (self.cells * self.cells) as f32 > 1.0
     }
 
     /// Adds a triangle, bisected until it is not larger than a cell, at most `depth` times.
@@ -88,5 +114,41 @@ impl Grid {
             Sphere { centre: 0.5 * (low + high), radius: 0.5 * low.distance(high) + ROUNDING }
         };
         filled.map(sphere).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{philox4x32, unit_f32};
+
+    /// Each grid filled by itself gives the same spheres.
+    #[test]
+    fn coarser_grids_are_made_from_the_finest() {
+        let number = |i: u32, block: u32| philox4x32([i, block, 0, 0], [5, 6]).map(unit_f32);
+        let triangles: Vec<[Vec3; 3]> = (0..3000)
+            .map(|i| {
+                let [x, y, z, size] = number(i, 0);
+                let size = if i % 50 == 0 { 0.3 } else { 0.02 * size };
+                [1, 2, 3].map(|block| {
+                    let [u, v, w, _] = number(i, block);
+                    (Vec3::new(x, y, z) - 0.5 + size * (Vec3::new(u, v, w) - 0.5))
+                        .clamp(Vec3::splat(-0.5), Vec3::splat(0.5))
+                })
+            })
+            .collect();
+        for (depth, most) in [(0, 4096), (8, 4096), (8, 500), (8, 60), (8, 1), (3, 0)] {
+            let mut cells = FINEST;
+            let expected = loop {
+                let mut grid = Grid::new(cells);
+                triangles.iter().for_each(|&triangle| grid.add(triangle, depth));
+                let spheres = grid.spheres();
+                if spheres.len() <= most || cells == 1 {
+                    break spheres;
+                }
+                cells /= 2;
+            };
+            assert_eq!(around(triangles.iter().copied(), depth, most), expected, "{depth} {most}");
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::SceneView;
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediumStack;
@@ -50,11 +51,16 @@ impl SceneView<'_> {
 /// What is wrong with an element, if anything.
 type Check = std::result::Result<(), String>;
 
-fn each<T>(what: &'static str, elements: &[T], check: impl Fn(&T) -> Check) -> Result<()> {
-    for (index, element) in elements.iter().enumerate() {
-        check(element).map_err(|why| Error::InvalidInput { what, index: index as u64, why })?;
+/// Elements that a thread checks at a time.
+const PART: usize = 1 << 16;
+
+fn each<T: Sync>(what: &'static str, elements: &[T], check: impl Fn(&T) -> Check + Sync) -> Result<()> {
+    let first = |part: &[T]| (0..).zip(part).find_map(|(at, element)| check(element).err().map(|why| (at, why)));
+    let found = parallel::map(parallel::threads(), elements.chunks(PART), |_, part| first(part));
+    match (0..).zip(found).find_map(|(part, found)| found.map(|(at, why)| (part * PART as u64 + at, why))) {
+        Some((index, why)) => Err(Error::InvalidInput { what, index, why }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn require(holds: bool, why: impl FnOnce() -> String) -> Check {

@@ -1,17 +1,24 @@
 //! Construction of binary BVHs: by obvhs, or by a plain median split where obvhs would degenerate.
 
+use bytemuck::Zeroable;
+use bytemuck::allocation::zeroed_vec;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams};
+use photon_core::parallel;
 
-use super::{AccelError, check};
+use super::{AccelError, check, chunked};
 
 /// From this many primitives with identical boxes on, obvhs builds a list instead of a tree.
 const TWINS: usize = 64;
 
 /// A node of a binary tree, as both builders produce it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Zeroable)]
 #[non_exhaustive]
 pub struct Binary {
     /// Lower corner of the bounding box.
@@ -36,12 +43,12 @@ pub struct BinaryTree {
 
 impl BinaryTree {
     /// Builds a low-cost tree (surface area heuristic, by obvhs) with up to `leaf` ≥ 1 triangles per
-    /// leaf. It may be deep.
+    /// leaf. It may be deep. All cores build it; it does not depend on their number.
     ///
     /// # Errors
     /// [`AccelError`], which names the triangle or the vertex.
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]], leaf: usize) -> Result<Self, AccelError> {
-        Self::by(tree, positions, triangles, leaf)
+        Self::by(|boxes, leaf| tree(boxes, leaf, parallel::threads()), positions, triangles, leaf)
     }
 
     /// Builds by median splits: the depth is at most the logarithm of the count, rounded up, plus 1.
@@ -58,7 +65,7 @@ impl BinaryTree {
         triangles: &[[u32; 3]],
         leaf: usize,
     ) -> Result<Self, AccelError> {
-        let boxes = padded(positions, triangles)?;
+        let boxes = padded(positions, triangles, parallel::threads())?;
         if boxes.is_empty() {
             return Ok(Self { nodes: Vec::new(), order: Vec::new() });
         }
@@ -71,10 +78,10 @@ impl BinaryTree {
 pub(crate) type Arranged = (Vec<Binary>, Vec<u32>);
 
 /// A padded bounding box, in the form that obvhs takes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Zeroable)]
 pub(crate) struct Padded {
-    low: [f32; 3],
-    high: [f32; 3],
+    pub(crate) low: [f32; 3],
+    pub(crate) high: [f32; 3],
 }
 
 impl Padded {
@@ -109,26 +116,74 @@ impl Boundable for Padded {
     }
 }
 
-fn obvhs_vec(v: [f32; 3]) -> glam::Vec3A {
+pub(crate) fn obvhs_vec(v: [f32; 3]) -> glam::Vec3A {
     v.into()
 }
 
+/// Triangles that a thread takes at a time.
+const PART: usize = 1 << 15;
+
 /// A padded bounding box for each triangle.
-pub(crate) fn padded(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Vec<Padded>, AccelError> {
-    check(positions, triangles)?;
-    let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
-    Ok(triangles.iter().map(|triangle| Padded::around(corners(triangle))).collect())
+pub(crate) fn padded(
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    threads: usize,
+) -> Result<Vec<Padded>, AccelError> {
+    check(positions, triangles, threads)?;
+    let mut boxes: Vec<Padded> = zeroed_vec(triangles.len());
+    parallel::for_each(threads, boxes.chunks_mut(PART).zip(triangles.chunks(PART)), |_, (boxes, triangles)| {
+        for (padded, triangle) in boxes.iter_mut().zip(triangles) {
+            *padded = Padded::around(triangle.map(|vertex| positions[vertex as usize]));
+        }
+    });
+    Ok(boxes)
 }
 
-/// A binary tree over `boxes`, root first, and the order of primitives that its leaves refer to.
-/// Leaves hold at most `leaf` primitives.
-pub(crate) fn tree(boxes: &[Padded], leaf: usize) -> Arranged {
+/// A binary tree over `boxes`, root first, and the order of primitives that its leaves refer to, the same for any number of
+/// threads. Leaves hold at most `leaf` primitives.
+pub(crate) fn tree(boxes: &[Padded], leaf: usize, threads: usize) -> Arranged {
+    if boxes.len() < chunked::MANY { single(boxes, leaf) } else { chunked::tree(boxes, leaf, threads) }
+}
+
+/// As [`tree`], by one thread and as a whole.
+pub(crate) fn single(boxes: &[Padded], leaf: usize) -> Arranged {
     if boxes.len() <= leaf || has_twins(boxes) {
         return balanced(boxes, leaf);
     }
-    let parameters = BvhBuildParams { max_prims_per_leaf: leaf as u32, ..BvhBuildParams::medium_build() };
-    let built = build_bvh2(boxes, parameters, &mut std::time::Duration::default());
+    let built = build_bvh2(boxes, parameters(leaf), &mut std::time::Duration::default());
     (binary(&built), built.primitive_indices)
+}
+
+/// As [`single`], for a part of a scene: primitives are sorted within a cube. Within its own bounds, the order in a nearly
+/// flat part would depend on its unevenness.
+pub(crate) fn part(boxes: &[Padded], leaf: usize) -> Arranged {
+    if boxes.len() <= leaf || has_twins(boxes) {
+        return balanced(boxes, leaf);
+    }
+    let parameters = parameters(leaf);
+    let mut bounds = boxes.iter().fold(Aabb::empty(), |bounds, padded| bounds.union(&padded.aabb()));
+    bounds.max = bounds.min + glam::Vec3A::splat(bounds.diagonal().max_element());
+    let mut builder = PlocBuilder::new();
+    builder.current_nodes = (0..).zip(boxes).map(|(id, padded)| Bvh2Node::new(padded.aabb(), 1, id)).collect();
+    let mut tree = Bvh2::zeroed(boxes.len());
+    tree.reset_for_reuse(boxes.len(), Some((0..boxes.len() as u32).collect()));
+    // The search distance and the steps of `build_bvh2` with these parameters.
+    builder.build_ploc_from_leaves::<14, false>(
+        &mut tree,
+        bounds,
+        parameters.sort_precision,
+        parameters.search_depth_threshold,
+    );
+    let mut optimizer = ReinsertionOptimizer::default();
+    let ratio = parameters.reinsertion_batch_ratio;
+    optimizer.run(&mut tree, ratio, None);
+    collapse(&mut tree, parameters.max_prims_per_leaf, parameters.collapse_traversal_cost);
+    optimizer.run(&mut tree, ratio * parameters.post_collapse_reinsertion_batch_ratio_multiplier, None);
+    (binary(&tree), tree.primitive_indices)
+}
+
+fn parameters(leaf: usize) -> BvhBuildParams {
+    BvhBuildParams { max_prims_per_leaf: leaf as u32, ..BvhBuildParams::medium_build() }
 }
 
 /// Converts the nodes of an obvhs tree.

@@ -7,13 +7,19 @@
 //!   backend's shader.
 
 mod binary;
+mod chunked;
 mod compressed;
+mod concat;
+mod cut;
+mod regions;
 mod shallow;
 mod simd;
 
 pub use binary::{Binary, BinaryTree};
 pub use compressed::{CompressedNode, CompressedTree};
 pub use simd::{Accel, BruteForce};
+
+use photon_core::parallel;
 
 /// Why a tree cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -48,18 +54,25 @@ pub enum AccelError {
 /// Largest coordinate magnitude: beyond it, padding for a unit box no longer covers rounding errors.
 const LIMIT: f32 = 16.0;
 
-fn check(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), AccelError> {
+/// Elements that a thread checks at a time.
+const PART: usize = 1 << 16;
+
+fn check(positions: &[[f32; 3]], triangles: &[[u32; 3]], threads: usize) -> Result<(), AccelError> {
     if triangles.len() >= 1 << 31 {
         return Err(AccelError::TooMany { count: triangles.len() });
     }
     let count = positions.len();
-    for (triangle, corners) in triangles.iter().enumerate() {
-        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= count) {
-            return Err(AccelError::OutOfRange { triangle, vertex, count });
-        }
+    let outside = |corners: &[u32; 3]| corners.iter().find(|&&vertex| vertex as usize >= count).copied();
+    let found =
+        parallel::map(threads, triangles.chunks(PART), |_, part| part.iter().position(|t| outside(t).is_some()));
+    let first = |found: Vec<Option<usize>>| (0..).zip(found).find_map(|(part, at)| at.map(|at| part * PART + at));
+    if let Some(triangle) = first(found) {
+        let vertex = outside(&triangles[triangle]).unwrap_or_default();
+        return Err(AccelError::OutOfRange { triangle, vertex, count });
     }
     let sane = |position: &[f32; 3]| position.iter().all(|c| c.abs() <= LIMIT);
-    match positions.iter().position(|position| !sane(position)) {
+    let found = parallel::map(threads, positions.chunks(PART), |_, part| part.iter().position(|at| !sane(at)));
+    match first(found) {
         Some(vertex) => Err(AccelError::NotNormalised { vertex, position: positions[vertex] }),
         None => Ok(()),
     }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use photon_core::{LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
-use photon_scene::{LoadReport, Scene};
+use photon_scene::{CompressedTree, LoadReport, Scene};
 
 use crate::args::RenderArgs;
 use crate::backend::{self, Chosen, Opened};
@@ -38,7 +38,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let begun = Instant::now();
     let ((scene, loaded), seconds_load, opened) = load_and_open(args)?;
     let view = args.settings.picture.view(&scene)?;
-    let mut renderers = start((args, begun), opened, &scene, view, &mut settings)?;
+    let (mut renderers, started) = start((args, begun), opened, &scene, view, &mut settings)?;
     let ready = Instant::now();
     let mut warnings = scene.warnings().to_vec();
     let starving = starving(&scene, &*renderers[0]);
@@ -88,6 +88,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         lights: &photon_core::light_shares(&scene.view()),
         seconds_load,
         seconds_start: (ready - begun).as_secs_f64() - seconds_load,
+        seconds_device: started.device,
+        seconds_trials: started.trials,
         seconds_passes,
         seconds_total,
     };
@@ -130,9 +132,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
 }
 
 /// The scene, the seconds that loading it took, and the backend, which is opened meanwhile: that takes a GPU's driver half a
-/// second. `None` for several devices, and under a limit on memory, which drivers take too: then it is opened afterwards.
+/// second. If the scene is loaded first, its tree is built until the device is there. `None` for several devices, and under a limit on memory, which drivers take too: then it is opened afterwards.
 #[expect(clippy::type_complexity, reason = "three things that are made at the same time")]
-fn load_and_open(args: &RenderArgs) -> Result<((Scene, LoadReport), f64, Option<Opened>), Fault> {
+fn load_and_open(args: &RenderArgs) -> Result<((Scene, LoadReport), f64, Option<(Opened, f64)>), Fault> {
     let begun = Instant::now();
     let load = |limit| load::scene_within(&args.scene, limit).map(|loaded| (loaded, begun.elapsed().as_secs_f64()));
     if let Some(cap) = args.machine.memory {
@@ -146,17 +148,41 @@ fn load_and_open(args: &RenderArgs) -> Result<((Scene, LoadReport), f64, Option<
     std::thread::scope(|threads| {
         let opening = threads.spawn(|| open(args));
         let loaded = load(None);
+        // It takes that long for GPUs only: the cores are free meanwhile. What is wrong with the scene is found later.
+        let tree = match &loaded {
+            Ok(((scene, _), _)) if !opening.is_finished() => {
+                let (begun, view) = (Instant::now(), scene.view());
+                let tree = CompressedTree::build(view.positions, view.triangles).ok();
+                tree.map(|tree| (tree, begun.elapsed().as_secs_f64()))
+            }
+            _ => None,
+        };
         let opened = opening.join().map_err(|_| Fault::failure("opening the device failed"));
         let (loaded, seconds) = loaded?;
-        Ok((loaded, seconds, Some(opened??)))
+        let (opened, device) = opened??;
+        let opened = match tree {
+            Some((tree, seconds)) => opened.with_tree(tree, seconds),
+            None => opened,
+        };
+        Ok((loaded, seconds, Some((opened, device))))
     })
 }
 
-fn open(args: &RenderArgs) -> Result<Opened, Fault> {
-    match args.machine.device.as_slice() {
+/// The backend, and the seconds that opening it took.
+fn open(args: &RenderArgs) -> Result<(Opened, f64), Fault> {
+    let begun = Instant::now();
+    let opened = match args.machine.device.as_slice() {
         [device] => backend::open_device_quietly(device),
         _ => backend::open_quietly(args.machine.backend, args.machine.threads),
-    }
+    };
+    Ok((opened?, begun.elapsed().as_secs_f64()))
+}
+
+/// Seconds of parts of the start that renderers do not know of.
+#[derive(Clone, Copy, Default)]
+struct Started {
+    device: f64,
+    trials: f64,
 }
 
 /// The output files, checked before anything is rendered.
@@ -226,11 +252,11 @@ fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
 /// A renderer for each device, at least one; settings that are left to the program are chosen for the scene.
 fn start(
     (args, begun): (&RenderArgs, Instant),
-    opened: Option<Opened>,
+    opened: Option<(Opened, f64)>,
     scene: &Scene,
     view: View,
     settings: &mut Settings,
-) -> Result<Vec<Box<dyn Render>>, Fault> {
+) -> Result<(Vec<Box<dyn Render>>, Started), Fault> {
     if args.machine.several() {
         let settings = &*settings;
         let devices = backend::open_devices(&args.machine.device)?;
@@ -238,13 +264,15 @@ fn start(
         return std::thread::scope(|threads| {
             let start = |on| threads.spawn(move || pipeline(on, scene, view, settings));
             let starting: Vec<_> = devices.into_iter().map(start).collect();
-            starting
+            let renderers = starting
                 .into_iter()
                 .map(|renderer| renderer.join().map_err(|_| Fault::failure("a device failed"))?)
-                .collect()
+                .collect::<Result<_, _>>()?;
+            Ok((renderers, Started::default()))
         });
     }
-    let chosen = opened.map_or_else(|| open(args), Ok)?.report();
+    let (opened, device) = opened.map_or_else(|| open(args), Ok)?;
+    let chosen = opened.report();
     let besides = memory::besides(args.settings.picture.size);
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
@@ -256,9 +284,11 @@ fn start(
         }
         Chosen::Vulkan(on) => chosen_pipeline(*on, (args, begun), scene, view, memory, settings),
     };
-    Ok(vec![started.map_err(|fault| fault.within(args.machine.memory, besides))?])
+    let (renderer, trials) = started.map_err(|fault| fault.within(args.machine.memory, besides))?;
+    Ok((vec![renderer], Started { device, trials }))
 }
 
+/// A renderer, and the seconds of trials by which its settings were chosen.
 fn chosen_pipeline<B: TransportBackend>(
     on: B,
     (args, begun): (&RenderArgs, Instant),
@@ -266,14 +296,18 @@ fn chosen_pipeline<B: TransportBackend>(
     view: View,
     memory: Option<u64>,
     settings: &mut Settings,
-) -> Result<Box<dyn Render>, Fault> {
+) -> Result<(Box<dyn Render>, f64), Fault> {
     let within = Settings { memory, ..settings.clone() };
+    let trying = Instant::now();
     let (on, chosen) = photon_share::choose(on, args, scene, within)?;
+    let trials = trying.elapsed();
     let chosen = timed::fewer_paths(args, scene, chosen);
     let mut renderer = Pipeline::new(on, &scene.view(), view, chosen.clone())?;
+    let trying = Instant::now();
     let chosen = timed::choose(&mut renderer, (args, begun), scene, chosen)?;
+    let trials = trials + trying.elapsed();
     *settings = Settings { memory: settings.memory, ..chosen };
-    Ok(Box::new(renderer))
+    Ok((Box::new(renderer), trials.as_secs_f64()))
 }
 
 fn pipeline<B: TransportBackend>(

@@ -40,7 +40,21 @@ fn layers_of_the_exr_sum_to_the_picture_and_the_report_balances() {
     assert_eq!(report["counters"]["emitted"], 9000);
     assert_eq!(report["backend"], "cpu");
     assert_eq!(report["maps"]["caustic"], true);
-    for stage in ["load", "bvh", "emit+trace", "build", "eye", "estimate", "total"] {
+    for stage in [
+        "load",
+        "device",
+        "prepare",
+        "bvh",
+        "project",
+        "pipelines",
+        "pilot",
+        "trials",
+        "emit+trace",
+        "build",
+        "eye",
+        "estimate",
+        "total",
+    ] {
         assert!(report["seconds"][stage].as_f64().unwrap() >= 0.0, "{stage}");
     }
     assert!(report["photons_per_second"].as_f64().unwrap() > 0.0);

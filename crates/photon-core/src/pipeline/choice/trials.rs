@@ -110,7 +110,7 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Seconds since the last call, without those of kernels that were compiled.
     fn rendering(&mut self) -> Result<f64> {
         let seconds = self.on.timings()?;
-        Ok(seconds.total() - seconds.get(Stage::Prepare))
+        Ok(seconds.total() - seconds.get(Stage::Prepare) - seconds.get(Stage::Bvh))
     }
 }
 

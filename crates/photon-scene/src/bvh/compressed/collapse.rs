@@ -1,7 +1,11 @@
 //! Collapses the binary tree to the wide tree of least expected cost: chooses the nodes that stay and the
 //! triangles that share a leaf, by dynamic programming (Ylitie, Karras and Laine 2017, section 4.1).
 
+use bytemuck::allocation::zeroed_vec;
+use photon_core::parallel;
+
 use crate::bvh::Binary;
+use crate::bvh::regions::Regions;
 
 /// Cost of a triangle test, relative to testing a node of eight boxes.
 const TRIANGLE: f32 = 0.3;
@@ -18,48 +22,86 @@ pub(crate) struct Collapse {
     firsts: Vec<[u8; MAX_CHILDREN]>,
 }
 
+/// Costs of the forests that replace a node, and the number of its triangles.
+#[derive(Clone, Copy, Default)]
+struct Costs {
+    costs: [f32; MAX_CHILDREN],
+    count: u32,
+}
+
+/// A node whose children are known.
+fn solve(node: &Binary, children: Option<[&Costs; 2]>, leaf: u32) -> ([u8; MAX_CHILDREN], Costs) {
+    let area = area(node);
+    let Some([a, b]) = children else {
+        let costs = [area * node.count as f32 * TRIANGLE; MAX_CHILDREN];
+        return ([NONE; MAX_CHILDREN], Costs { costs, count: node.count });
+    };
+    let count = a.count + b.count;
+    // The best share of `places` slots for the first child.
+    let best = |places: usize| {
+        (1..places)
+            .filter(|&first| first <= MAX_CHILDREN && places - first <= MAX_CHILDREN)
+            .map(|first| (first as u8, a.costs[first - 1] + b.costs[places - first - 1]))
+            .fold((NONE, f32::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
+    };
+    let (first, below) = best(MAX_CHILDREN + 1);
+    let mut costs = [below + area; MAX_CHILDREN];
+    let mut firsts = [NONE; MAX_CHILDREN];
+    firsts[0] = first;
+    let as_leaf = area * count as f32 * TRIANGLE;
+    if count <= leaf && as_leaf < costs[0] {
+        costs[0] = as_leaf;
+        firsts[0] = NONE;
+    }
+    for places in 2..=MAX_CHILDREN {
+        let (first, cost) = best(places);
+        if cost < costs[places - 2] {
+            (firsts[places - 1], costs[places - 1]) = (first, cost);
+        } else {
+            costs[places - 1] = costs[places - 2];
+        }
+    }
+    (firsts, Costs { costs, count })
+}
+
 impl Collapse {
     /// The cheapest tree with leaves of up to `leaf` triangles.
-    pub(crate) fn of(nodes: &[Binary], leaf: u32) -> Self {
-        let mut firsts = vec![[NONE; MAX_CHILDREN]; nodes.len()];
-        let mut costs = vec![[0.0_f32; MAX_CHILDREN]; nodes.len()];
-        let mut counts = vec![0_u32; nodes.len()];
-        for &index in parents_first(nodes).iter().rev() {
-            let index = index as usize;
-            let node = &nodes[index];
-            let area = area(node);
-            if node.count > 0 {
-                counts[index] = node.count;
-                costs[index] = [area * node.count as f32 * TRIANGLE; MAX_CHILDREN];
-                continue;
-            }
-            let (a, b) = (node.first as usize, node.first as usize + 1);
-            counts[index] = counts[a] + counts[b];
-            // The best share of `places` slots for the first child.
-            let best = |places: usize| {
-                (1..places)
-                    .filter(|&first| first <= MAX_CHILDREN && places - first <= MAX_CHILDREN)
-                    .map(|first| (first as u8, costs[a][first - 1] + costs[b][places - first - 1]))
-                    .fold((NONE, f32::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
+    pub(crate) fn of(tree: &Regions, leaf: u32, threads: usize) -> Self {
+        let mut firsts: Vec<[u8; MAX_CHILDREN]> = zeroed_vec(tree.nodes.len());
+        let (top, mut below) = firsts.split_at_mut(tree.top);
+        let mut tasks = Vec::with_capacity(tree.regions.len());
+        for (root, range) in &tree.regions {
+            let (part, rest) = below.split_at_mut(range.len());
+            below = rest;
+            tasks.push((*root, range.start, part));
+        }
+        let solved = parallel::map(threads, tasks.into_iter(), |_, (root, start, part)| {
+            let nodes = &tree.nodes[start..start + part.len()];
+            // Children come after their parents.
+            let mut costs = vec![Costs::default(); nodes.len()];
+            let children = |node: &Binary, costs: &[Costs]| {
+                let first = node.first as usize - start;
+                [costs[first], costs[first + 1]]
             };
-            let (first, below) = best(MAX_CHILDREN + 1);
-            let mut own = [below + area; MAX_CHILDREN];
-            let mut shares = [NONE; MAX_CHILDREN];
-            shares[0] = first;
-            let as_leaf = area * counts[index] as f32 * TRIANGLE;
-            if counts[index] <= leaf && as_leaf < own[0] {
-                own[0] = as_leaf;
-                shares[0] = NONE;
+            for (i, node) in nodes.iter().enumerate().rev() {
+                let children = (node.count == 0).then(|| children(node, &costs));
+                (part[i], costs[i]) = solve(node, children.as_ref().map(|[a, b]| [a, b]), leaf);
             }
-            for places in 2..=MAX_CHILDREN {
-                let (first, cost) = best(places);
-                if cost < own[places - 2] {
-                    (shares[places - 1], own[places - 1]) = (first, cost);
-                } else {
-                    own[places - 1] = own[places - 2];
-                }
-            }
-            (firsts[index], costs[index]) = (shares, own);
+            let node = &tree.nodes[root as usize];
+            let [a, b] = children(node, &costs);
+            (root, solve(node, Some([&a, &b]), leaf))
+        });
+        let mut costs = vec![Costs::default(); tree.top];
+        let mut known = vec![false; tree.top];
+        for (root, solution) in solved {
+            (top[root as usize], costs[root as usize]) = solution;
+            known[root as usize] = true;
+        }
+        for i in (0..tree.top).rev().filter(|&i| !known[i]) {
+            let node = &tree.nodes[i];
+            let first = node.first as usize;
+            let children = (node.count == 0).then(|| [costs[first], costs[first + 1]]);
+            (top[i], costs[i]) = solve(node, children.as_ref().map(|[a, b]| [a, b]), leaf);
         }
         Self { firsts }
     }
@@ -111,20 +153,6 @@ impl Collapse {
             }
         }
     }
-}
-
-/// All nodes, each before its descendants. Iterative, since a tree may be deep.
-fn parents_first(nodes: &[Binary]) -> Vec<u32> {
-    let mut order = Vec::with_capacity(nodes.len());
-    let mut open = vec![0_u32];
-    while let Some(index) = open.pop() {
-        order.push(index);
-        let node = &nodes[index as usize];
-        if node.count == 0 {
-            open.extend([node.first + 1, node.first]);
-        }
-    }
-    order
 }
 
 fn area(node: &Binary) -> f32 {

@@ -5,8 +5,13 @@
 mod collapse;
 mod node;
 
+use photon_core::parallel;
+
 use super::AccelError;
-use super::binary::{self, Arranged, padded};
+use super::binary::{self, Arranged, Binary, padded};
+use super::chunked;
+use super::concat::{concat, starts};
+use super::regions::Regions;
 use super::shallow::first_fitting;
 
 pub use node::CompressedNode;
@@ -18,7 +23,7 @@ const LEAF: u32 = 3;
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct CompressedTree {
-    /// Nodes in breadth-first order, the root first; empty without triangles.
+    /// Nodes, the root first, children of a node one after another; empty without triangles.
     pub nodes: Vec<CompressedNode>,
     /// Triangle indices as the user numbers them, in the order that leaves refer to. A device stores
     /// its triangle table in this order.
@@ -35,56 +40,102 @@ impl CompressedTree {
     /// then computes the distance of a hit from the plane of the triangle. `BVH_PLANE_TOLERANCE` in GLSL.
     pub const PLANE_TOLERANCE: f32 = 1.0 / 2_097_152.0;
 
-    /// Builds the tree. The result is deterministic, on any number of threads.
+    /// Builds the tree by all cores. It does not depend on their number.
     ///
     /// # Errors
     /// [`AccelError`], which names the triangle or the vertex.
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, AccelError> {
-        let boxes = padded(positions, triangles)?;
+        Self::build_by(positions, triangles, parallel::threads())
+    }
+
+    /// As [`Self::build`], by at most `threads` threads, the calling one among them. Those that it starts have ended when it
+    /// returns.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub fn build_by(positions: &[[f32; 3]], triangles: &[[u32; 3]], threads: usize) -> Result<Self, AccelError> {
+        let boxes = padded(positions, triangles, threads)?;
         if boxes.is_empty() {
             return Ok(Self { nodes: Vec::new(), order: Vec::new() });
         }
-        let tree = binary::tree(&boxes, 1);
+        let tree = binary::tree(&boxes, 1, threads);
         // Some trees are too deep for the stack.
-        Ok(first_fitting(&tree, &boxes, 1, |tree| {
-            let (tree, depth) = widen(tree);
+        Ok(first_fitting(&tree, &boxes, 1, threads, |tree| {
+            let (tree, depth) = widen(tree, threads);
             (tree, depth <= Self::MAX_DEPTH)
         }))
     }
 }
 
+/// Subtrees of a large tree that are made by several threads.
+const TASKS: usize = 512;
+
 /// The wide tree and its depth.
-fn widen((nodes, order): &Arranged) -> (CompressedTree, u32) {
-    let mut tree = CompressedTree { nodes: Vec::new(), order: Vec::with_capacity(order.len()) };
-    if nodes.is_empty() {
-        return (tree, 0);
-    }
-    let collapse = collapse::Collapse::of(nodes, LEAF);
-    // Wide nodes in breadth-first order: the binary node that each replaces, and its depth.
-    let mut roots = vec![(0_u32, 1_u32)];
-    let mut next = 0;
-    while next < roots.len() {
-        let (root, depth) = roots[next];
-        next += 1;
-        let slots = node::slots(nodes, root, &collapse.children(nodes, root));
-        let (first_child, first_triangle) = (roots.len() as u32, tree.order.len() as u32);
-        let mut wide = CompressedNode::around(&nodes[root as usize], first_child, first_triangle);
-        for (slot, child) in slots.iter().enumerate() {
-            let Some(child) = *child else { continue };
-            let inside = &nodes[child as usize];
-            if collapse.is_leaf(child) {
-                let before = tree.order.len() as u32;
-                collapse.triangles(nodes, order, child, &mut tree.order);
-                wide.put_leaf(slot, inside, before - first_triangle, tree.order.len() as u32 - before);
-            } else {
-                roots.push((child, depth + 1));
-                wide.put_node(slot, inside);
+fn widen((nodes, order): &Arranged, threads: usize) -> (CompressedTree, u32) {
+    let tree = Regions::of(nodes, threads);
+    let collapse = collapse::Collapse::of(&tree, LEAF, threads);
+    let tasks = if order.len() < chunked::MANY { usize::MAX } else { TASKS };
+    let (top, rest) = Wide::below((0, 1), tasks, &tree.nodes, order, &collapse);
+    let parts: Vec<Wide> =
+        parallel::map(threads, rest.iter(), |_, &root| Wide::below(root, usize::MAX, &tree.nodes, order, &collapse).0);
+    // The roots of the parts come first, as their parents expect.
+    let nodes = starts(top.nodes.len() + parts.len(), parts.iter().map(|part| part.nodes.len() - 1));
+    let triangles = starts(top.order.len(), parts.iter().map(|part| part.order.len()));
+    let moved = |part: usize, node: CompressedNode| node.moved_by(nodes[part] - 1, triangles[part]);
+    let mut first = top.nodes;
+    first.extend(parts.iter().enumerate().map(|(i, part)| moved(i, part.nodes[0])));
+    let others: Vec<&[CompressedNode]> = parts.iter().map(|part| &part.nodes[1..]).collect();
+    let nodes = concat(&first, &others, threads, moved);
+    let others: Vec<&[u32]> = parts.iter().map(|part| part.order.as_slice()).collect();
+    let order = concat(&top.order, &others, threads, |_, id| id);
+    let depth = parts.iter().fold(top.depth, |depth, part| depth.max(part.depth));
+    (CompressedTree { nodes, order }, depth)
+}
+
+/// A wide tree, or a part of one, in breadth-first order.
+struct Wide {
+    nodes: Vec<CompressedNode>,
+    order: Vec<u32>,
+    depth: u32,
+}
+
+impl Wide {
+    /// The wide nodes that replace a binary node at a depth and those below it, and the roots that are left: none, or at
+    /// least `tasks`. These come after the nodes.
+    fn below(
+        root: (u32, u32),
+        tasks: usize,
+        nodes: &[Binary],
+        order: &[u32],
+        collapse: &collapse::Collapse,
+    ) -> (Self, Vec<(u32, u32)>) {
+        let mut wide = Self { nodes: Vec::new(), order: Vec::new(), depth: root.1 };
+        // The binary node that each wide node replaces, and its depth.
+        let mut roots = vec![root];
+        let mut next = 0;
+        while next < roots.len() && roots.len() - next < tasks {
+            let (root, depth) = roots[next];
+            next += 1;
+            let slots = node::slots(nodes, root, &collapse.children(nodes, root));
+            let (first_child, first_triangle) = (roots.len() as u32, wide.order.len() as u32);
+            let mut new = CompressedNode::around(&nodes[root as usize], first_child, first_triangle);
+            for (slot, child) in slots.iter().enumerate() {
+                let Some(child) = *child else { continue };
+                let inside = &nodes[child as usize];
+                if collapse.is_leaf(child) {
+                    let before = wide.order.len() as u32;
+                    collapse.triangles(nodes, order, child, &mut wide.order);
+                    new.put_leaf(slot, inside, before - first_triangle, wide.order.len() as u32 - before);
+                } else {
+                    roots.push((child, depth + 1));
+                    new.put_node(slot, inside);
+                }
             }
+            wide.nodes.push(new);
+            wide.depth = depth;
         }
-        tree.nodes.push(wide);
+        (wide, roots.split_off(next))
     }
-    let depth = roots.last().map_or(0, |&(_, depth)| depth);
-    (tree, depth)
 }
 
 #[cfg(test)]

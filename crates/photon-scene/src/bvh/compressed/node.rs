@@ -8,7 +8,7 @@ const WIDTH: usize = 8;
 
 /// Eight children; their boxes are quantized in power-of-two steps from the lower corner of the parent's box.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct CompressedNode {
     corner: [f32; 3],
     /// Biased exponents of the step sizes along x, y, z.
@@ -46,6 +46,12 @@ impl CompressedNode {
         self.meta[slot] = 0x38 | slot as u8;
         self.nodes |= 1 << slot;
         self.put_box(slot, bounds);
+    }
+
+    /// The node in a table in which nodes and triangles have been moved.
+    pub(crate) fn moved_by(self, nodes: u32, triangles: u32) -> Self {
+        let (first_child, first_triangle) = (self.first_child + nodes, self.first_triangle + triangles);
+        Self { first_child, first_triangle, ..self }
     }
 
     /// Stores the quantized box, rounded outward.

@@ -1,7 +1,7 @@
 //! Every primitive stays in the tree once and in all boxes above it, and no path is longer than asked for.
 
 use super::{DEPTHS, levels, shallow};
-use crate::bvh::binary::{Arranged, Binary, Padded, balanced, tree};
+use crate::bvh::binary::{Arranged, Binary, Padded, balanced, single};
 
 /// The levels of a tree, if each primitive is in one leaf and in the boxes of all its ancestors.
 fn check((nodes, order): &Arranged, boxes: &[Padded], leaf: usize) -> u32 {
@@ -44,17 +44,32 @@ fn apart(count: u32) -> Vec<Padded> {
 fn deep_trees_become_as_shallow_as_asked_for() {
     for leaf in [1, 4] {
         let boxes = [nested(600), apart(500)].concat();
-        let built = tree(&boxes, leaf);
+        let built = single(&boxes, leaf);
         let depth = check(&built, &boxes, leaf);
         assert!(depth > 64, "{depth}: the chain is no test");
         for most in [64, 48, 32, 20, levels(boxes.len(), leaf)] {
-            let result = shallow(&built, &boxes, leaf, most).unwrap();
+            let result = shallow(&built, &boxes, leaf, most, 2).unwrap();
             let depth = check(&result, &boxes, leaf);
             assert!(depth <= most, "{depth} levels of {most}");
             // The levels that are there are used.
             assert!(depth + 1 >= most, "{depth} levels of {most}");
         }
-        assert!(shallow(&built, &boxes, leaf, levels(boxes.len(), leaf) - 1).is_none());
+        assert!(shallow(&built, &boxes, leaf, levels(boxes.len(), leaf) - 1, 2).is_none());
+    }
+}
+
+/// Many primitives, of which one region is too deep: the same for any number of threads.
+#[test]
+fn a_deep_region_of_a_large_tree_becomes_shallow() {
+    let boxes = [apart(80_000), nested(600)].concat();
+    let built = crate::bvh::binary::tree(&boxes, 1, 2);
+    let depth = check(&built, &boxes, 1);
+    assert!(depth > 64, "{depth}: the chain is no test");
+    let result = shallow(&built, &boxes, 1, 48, 1).unwrap();
+    let depth = check(&result, &boxes, 1);
+    assert!((20..=48).contains(&depth), "{depth} levels of 48");
+    for threads in [2, 7] {
+        assert!(shallow(&built, &boxes, 1, 48, threads).unwrap() == result);
     }
 }
 
@@ -62,9 +77,9 @@ fn deep_trees_become_as_shallow_as_asked_for() {
 #[test]
 fn shallow_trees_keep_their_splits() {
     let boxes = apart(5000);
-    let built = tree(&boxes, 1);
+    let built = single(&boxes, 1);
     let depth = check(&built, &boxes, 1);
-    let result = shallow(&built, &boxes, 1, depth).unwrap();
+    let result = shallow(&built, &boxes, 1, depth, 2).unwrap();
     assert_eq!(check(&result, &boxes, 1), depth);
     let bounds = |(nodes, _): &Arranged| {
         let mut bounds: Vec<[u32; 6]> = nodes
@@ -83,7 +98,7 @@ fn shallow_trees_keep_their_splits() {
 #[test]
 fn a_tree_that_is_damaged_is_noticed() {
     let boxes = apart(100);
-    let mut built = tree(&boxes, 1);
+    let mut built = single(&boxes, 1);
     built.1[3] = built.1[4];
     assert!(std::panic::catch_unwind(|| check(&built, &boxes, 1)).is_err());
 }
@@ -92,9 +107,9 @@ fn a_tree_that_is_damaged_is_noticed() {
 fn few_primitives() {
     for count in 1..9 {
         let boxes = apart(count);
-        let built = tree(&boxes, 1);
+        let built = single(&boxes, 1);
         let most = levels(boxes.len(), 1);
-        assert!(check(&shallow(&built, &boxes, 1, most).unwrap(), &boxes, 1) <= most);
+        assert!(check(&shallow(&built, &boxes, 1, most, 2).unwrap(), &boxes, 1) <= most);
     }
-    assert!(DEPTHS.is_sorted_by(|a, b| a > b) && shallow(&(Vec::new(), Vec::new()), &[], 1, 4).is_none());
+    assert!(DEPTHS.is_sorted_by(|a, b| a > b) && shallow(&(Vec::new(), Vec::new()), &[], 1, 4, 2).is_none());
 }

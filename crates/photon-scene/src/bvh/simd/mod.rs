@@ -10,7 +10,7 @@ mod traverse;
 mod triangle;
 
 use photon_core::glam::Vec3;
-use photon_core::{Hit, Ray, RayCaster, SkipLimit};
+use photon_core::{Hit, Ray, RayCaster, SkipLimit, parallel};
 
 use super::{AccelError, binary, check, shallow};
 use node::Node;
@@ -18,27 +18,36 @@ use traverse::All;
 use triangle::Packet;
 
 /// Ray caster for scenes in normalised space.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct Accel {
     nodes: Vec<Node>,
     packets: Vec<Packet>,
 }
 
 impl Accel {
-    /// Builds the tree. The result is deterministic, on any number of threads.
+    /// Builds the tree by all cores. It does not depend on their number.
     ///
     /// # Errors
     /// [`AccelError`], which names the triangle or the vertex.
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, AccelError> {
-        let boxes = binary::padded(positions, triangles)?;
+        Self::build_by(positions, triangles, parallel::threads())
+    }
+
+    /// As [`Self::build`], by at most `threads` threads, the calling one among them. Those that it starts have ended when it
+    /// returns.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub fn build_by(positions: &[[f32; 3]], triangles: &[[u32; 3]], threads: usize) -> Result<Self, AccelError> {
+        let boxes = binary::padded(positions, triangles, threads)?;
         let corners = |id: u32| triangles[id as usize].map(|vertex| positions[vertex as usize]);
         if boxes.is_empty() {
             return Ok(Self { nodes: Vec::new(), packets: Vec::new() });
         }
-        let tree = binary::tree(&boxes, triangle::LANES);
+        let tree = binary::tree(&boxes, triangle::LANES, threads);
         // Some trees are too deep for the traversal stack.
-        Ok(shallow::first_fitting(&tree, &boxes, triangle::LANES, |(tree, order)| {
-            let (nodes, packets, depth) = node::widen(tree, order, &corners);
+        Ok(shallow::first_fitting(&tree, &boxes, triangle::LANES, threads, |tree| {
+            let (nodes, packets, depth) = node::widen(tree, &corners, threads);
             (Self { nodes, packets }, depth <= traverse::MAX_DEPTH)
         }))
     }
@@ -82,7 +91,7 @@ impl BruteForce {
     /// # Errors
     /// As [`Accel::build`].
     pub fn build(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, AccelError> {
-        check(positions, triangles)?;
+        check(positions, triangles, 1)?;
         let corners = |id: u32| triangles[id as usize].map(|vertex| positions[vertex as usize]);
         let ids: Vec<u32> = (0..triangles.len() as u32).collect();
         let packets = ids.chunks(triangle::LANES).map(|ids| Packet::of(ids, &corners)).collect();

@@ -171,6 +171,9 @@ bitflags! {
         const UNEVEN = 1 << 3;
         /// A smaller radius gives another bias, by more than a factor of 2.
         const CURVED = 1 << 4;
+        /// A few bright passes make up the value: effectively fewer than 4 passes, `(Σx)²/Σx²` for values x of passes. Their
+        /// spread does not tell how bright and how frequent such passes are. Not set together with `FEW_PASSES`.
+        const RARE = 1 << 5;
     }
 }
 
@@ -204,6 +207,11 @@ pub struct ConfidenceInterval {
 /// enough would favour passes whose error happens to be underestimated: 92 instead of 95 % of the intervals
 /// are right with 2 passes, 94 with 8.
 const MIN_PASSES: u32 = 8;
+
+/// The effective number of passes (Kish 1965), below which the spread of the passes is that of a few bright ones: as many
+/// equal passes and otherwise black ones would have the same relative variance. It is below 4 where the relative standard
+/// error is above 1/2, for many passes, or above 0.38 for 8 of them.
+pub(crate) const MIN_EFFECTIVE_PASSES: f64 = 4.0;
 
 /// With fewer photons, the distribution of the sums is too far from normal.
 pub(crate) const MIN_PHOTONS: f64 = 32.0;
@@ -284,6 +292,7 @@ impl Film {
                 0.0
             };
             flags.set(Flags::FEW_PASSES, self.passes < MIN_PASSES);
+            flags.set(Flags::RARE, self.passes >= MIN_PASSES && sum * sum < MIN_EFFECTIVE_PASSES * pixel.square);
             let half_width = if flags.is_empty() {
                 (noise_width(quantile, noise, sum / n) + 2.0 * bias.abs() + bounded) * to_user
             } else {

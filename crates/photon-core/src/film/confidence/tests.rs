@@ -122,6 +122,63 @@ fn little_light_at_an_edge_is_bounded() {
     assert_eq!(of(39.0, hardly).flags, Flags::FEW_PHOTONS);
 }
 
+/// A film of one pixel that is lit by shadow rays, with these values of its passes.
+fn lit(values: &[f64]) -> Film {
+    let mut film = Film::new(1, 1, Units { power: 3.0, scale: 2.0, ..Units::default() }).unwrap();
+    let pixel = &mut film.pixels[0];
+    pixel.layers[1] = [values.iter().sum(); 3];
+    pixel.square = values.iter().map(|x| x * x).sum();
+    film.passes = values.len() as u32;
+    film.errors = Some(vec![ErrorPixel::default()]);
+    film
+}
+
+/// The flags of such a pixel; without an interval if and only if there are any.
+fn flags_of(film: &Film) -> Flags {
+    let interval = film.confidence_intervals().unwrap()[0];
+    assert_eq!(interval.flags.is_empty(), interval.half_width.is_finite());
+    interval.flags
+}
+
+#[test]
+fn a_value_of_few_bright_passes_is_rare() {
+    // `bright` passes of 1, and otherwise `dark` ones.
+    let of = |passes: usize, bright: usize, dark: f64| {
+        let values: Vec<f64> = (0..passes).map(|pass| if pass < bright { 1.0 } else { dark }).collect();
+        flags_of(&lit(&values))
+    };
+    for passes in [8, 64, 1000] {
+        assert_eq!((of(passes, 1, 0.0), of(passes, 3, 0.0)), (Flags::RARE, Flags::RARE));
+        // Exactly 4 bright passes are enough, and so are equal ones.
+        assert!(of(passes, 4, 0.0).is_empty() && of(passes, passes, 0.0).is_empty());
+    }
+    // One pass that is 100 times as bright as 63 others gives (163/100)² effective passes, one that is 10 times as bright 33.
+    assert_eq!((of(64, 1, 0.01), of(64, 1, 0.1)), (Flags::RARE, Flags::default()));
+    // The scale of the values does not matter; nor do their signs, if they are equal.
+    for (factor, dark) in [(1e-9, 0.01), (1e9, 0.01), (-1.0, 0.01), (1e-9, 0.1), (1e9, 0.1), (-1.0, 0.1)] {
+        let values: Vec<f64> = (0..64).map(|pass| factor * if pass == 0 { 1.0 } else { dark }).collect();
+        assert_eq!(flags_of(&lit(&values)), of(64, 1, dark), "{factor}");
+    }
+    // Signs that cancel leave nothing to rely on.
+    assert_eq!(flags_of(&lit(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 0.5])), Flags::RARE);
+    // No light at all is no rare light, and too few passes are only that.
+    assert!(of(64, 0, 0.0).is_empty());
+    for bright in 0..8 {
+        assert_eq!(of(7, bright, 0.0), Flags::FEW_PASSES);
+    }
+}
+
+#[test]
+fn rare_light_stays_rare_until_enough_of_it_was_merged() {
+    let part = || lit(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    let mut film = part();
+    for bright in 2..=6 {
+        film.merge(&part()).unwrap();
+        assert_eq!(flags_of(&film) == Flags::RARE, bright < 4, "{bright}");
+        assert!((flags_of(&film) - Flags::RARE).is_empty());
+    }
+}
+
 #[test]
 fn errors_merge_with_their_films() {
     let (mut a, b) = (film(8, [0.02, 0.01], EVEN), film(8, [0.02, 0.01], EVEN));

@@ -155,6 +155,21 @@ fn pixels_at_edges_join_in_as_radii_shrink() {
     assert!(never / model.least_error_after(1 << 20) < 3.0, "{never}");
 }
 
+/// Pixels whose value is that of few bright passes are included once these are 4: a relative standard error of 0.8 after 8
+/// passes is that of 8/(1 + 7·0.64) = 1.46 effective passes, which are 4 when there are 21.9 passes; with or without photons.
+#[test]
+fn rare_pixels_join_in_as_passes_are_added() {
+    for photons in [0.0, 1000.0] {
+        let mut intervals = intervals(0.1, 0.0, 0.0);
+        for interval in intervals.iter_mut().filter(|interval| !interval.flags.is_empty()) {
+            (interval.flags, interval.photons, interval.standard_error) = (Flags::RARE, photons, 1.6);
+        }
+        let model = model_of(&intervals, 8, 2.0 / 3.0).unwrap();
+        let over = |passes| model.error_after(passes) / model.least_error_after(passes);
+        assert!(over(21) < 2.0 && over(22) > 4.0, "{} {}", over(21), over(22));
+    }
+}
+
 /// 100 pixels, of which 10 have `times` the error of the others, and these flags.
 fn joining(flags: Flags, photons: f64, times: f64) -> ErrorModel {
     let mut intervals = intervals(0.1, 0.1, 0.0);

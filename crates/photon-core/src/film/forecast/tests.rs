@@ -15,6 +15,7 @@ fn intervals(noise: f64, bias: f64, bias_error: f64) -> Vec<ConfidenceInterval> 
         photons: 1000.0,
         half_width: 1.0,
         flags: Flags::default(),
+        allowed: Flags::default(),
     };
     let mut intervals = vec![interval; 90];
     intervals.extend(vec![ConfidenceInterval { flags: Flags::UNEVEN, half_width: f64::INFINITY, ..interval }; 10]);
@@ -127,6 +128,7 @@ fn told_by_chance(pixel: usize) -> ConfidenceInterval {
         photons: 1000.0,
         half_width: 1.0,
         flags: Flags::default(),
+        allowed: Flags::default(),
     }
 }
 

@@ -37,7 +37,7 @@ pub fn e1_claims_hold_in_smooth_fields<T: TestBackend>() {
 pub fn e2_edges_have_intervals_and_folds_are_flagged<T: TestBackend>() {
     for (seed, field) in EDGES.iter().enumerate() {
         let film = field_film::<T>(field, 24, 2.0 / 3.0, 80 + seed as u64);
-        let verdict = judge(field, &[film.clone()]);
+        let verdict = judge(field, std::slice::from_ref(&film));
         let what = format!("{}: {verdict:?}", field.name);
         // A proportion of 2/3 of 256 independent trials has a standard error of √(2/9/256) = 1/34.
         assert!(verdict.claimed >= 2.0 / 3.0 - SIGMAS / 34.0 && verdict.covered >= 0.93, "{what}");

@@ -179,7 +179,7 @@ const MIN_PASSES: u32 = 8;
 /// The effective number of passes (Kish 1965), below which the spread of the passes is that of a few bright ones: as many
 /// equal passes and otherwise black ones would have the same relative variance. It is below 4 where the relative standard
 /// error is above 1/2, for many passes, or above 0.38 for 8 of them.
-pub(crate) const MIN_EFFECTIVE_PASSES: f64 = 4.0;
+const MIN_EFFECTIVE_PASSES: f64 = 4.0;
 
 /// With fewer photons, the distribution of the sums is too far from normal.
 pub(crate) const MIN_PHOTONS: f64 = 32.0;
@@ -206,7 +206,7 @@ const BOUND: f64 = 3.0;
 
 impl ConfidenceInterval {
     /// Why noise and bias alone are no error estimate, whether there is an interval or not. Error targets and forecasts are of
-    /// the pixels without any.
+    /// the pixels without any but [`Flags::RARE`].
     #[must_use]
     pub fn reasons(&self) -> Flags {
         self.flags | self.allowed

@@ -2,7 +2,7 @@
 
 mod group;
 
-use crate::film::confidence::{ConfidenceInterval, Flags, MIN_EFFECTIVE_PASSES, MIN_PHOTONS, student_975};
+use crate::film::confidence::{ConfidenceInterval, Flags, MIN_PHOTONS, student_975};
 use crate::radius::schedule::Schedule;
 use group::{Factors, Group, Relative};
 
@@ -16,7 +16,7 @@ pub struct Forecast {
     /// Passes so far.
     pub passes: u32,
     /// Share of all pixels that the error is of: those with an error estimate that does not have to allow for edges or few
-    /// photons ([`ConfidenceInterval::reasons`] is empty).
+    /// photons ([`ConfidenceInterval::reasons`] is empty or [`Flags::RARE`]).
     pub claimed: f64,
     /// Share of these whose error is within the target now.
     pub within: f64,
@@ -72,7 +72,7 @@ impl Forecast {
 /// Predicts errors from the relative errors of a sample of pixels.
 #[derive(Clone, Debug)]
 pub struct ErrorModel {
-    /// Pixels with an error estimate that allows for nothing; with too few photons or bright passes; with an edge within the disc.
+    /// Pixels with an error estimate that allows for nothing; with too few photons; with an edge within the disc.
     groups: [Group; 3],
     /// Mean squares over all visible pixels, flagged or not.
     mean: Parts,
@@ -95,7 +95,7 @@ enum PixelSet {
     /// Pixels with an error estimate now.
     Claimed,
     /// Also those that only lack photons, once there are enough even with one standard error fewer than
-    /// expected, or bright passes, once there are enough of them.
+    /// expected.
     Counted,
     /// Also those with an edge within the disc, as radii shrink.
     All,
@@ -119,11 +119,11 @@ impl ErrorModel {
     pub fn new(intervals: &[ConfidenceInterval], schedule: Schedule, share: f64, second: f64) -> Option<Self> {
         let mean = intervals.iter().map(|interval| interval.value).sum::<f64>() / intervals.len().max(1) as f64;
         let least = 0.1 * mean.abs();
-        let relative =
-            |interval: &ConfidenceInterval| Relative::new(interval, f64::from(schedule.passes()), least, second);
+        let relative = |interval: &ConfidenceInterval| Relative::new(interval, least, second);
+        // Rare light counts with the error that it has: a target would be easier without the noisiest pixels.
+        let reasons = |interval: &ConfidenceInterval| interval.reasons() - Flags::RARE;
         let group = |of: &dyn Fn(Flags) -> bool| {
-            let members: Vec<&ConfidenceInterval> =
-                intervals.iter().filter(|interval| of(interval.reasons())).collect();
+            let members: Vec<&ConfidenceInterval> = intervals.iter().filter(|interval| of(reasons(interval))).collect();
             let step = members.len().div_ceil(SAMPLE).max(1);
             let pixels: Vec<Relative> = members.iter().step_by(step).map(|&interval| relative(interval)).collect();
             Group::new(pixels, members.len(), f64::from(schedule.passes()) - 1.0, second)
@@ -141,7 +141,7 @@ impl ErrorModel {
             steady: sum.steady + pixel.bias * pixel.bias - pixel.bias_error * pixel.bias_error,
         });
         sum.steady = sum.steady.max(0.0);
-        let claimed = intervals.iter().filter(|interval| interval.reasons().is_empty()).count() as f64
+        let claimed = intervals.iter().filter(|interval| reasons(interval).is_empty()).count() as f64
             / intervals.len().max(1) as f64;
         (!groups[0].pixels.is_empty()).then_some(Self { groups, mean: sum, claimed, schedule, share })
     }
@@ -186,7 +186,7 @@ impl ErrorModel {
     /// assumes r⁴.
     ///
     /// Pixels that have no error estimate yet are included later, with the errors that they have: those
-    /// with few photons or bright passes once there are enough, those with an edge within the disc as the radius shrinks,
+    /// with few photons once there are enough, those with an edge within the disc as the radius shrinks,
     /// since edges are lines, and the number of pixels near them is proportional to the radius. Of the
     /// three sets (with estimate; also those with few photons; all), the one with the largest error counts.
     #[must_use]
@@ -220,10 +220,8 @@ impl ErrorModel {
         let [claimed, few, edge] = &self.groups;
         // The photon count found so far may be too high by its standard error, its square root.
         let luck = if set == PixelSet::Counted { 1.0 } else { 0.0 };
-        let photons = |pixel: &Relative| (pixel.photon_count - luck * pixel.photon_count.sqrt()) * more * bias;
-        let enough = |pixel: &Relative| {
-            (pixel.only_rare || photons(pixel) >= MIN_PHOTONS) && pixel.passes_share * then >= MIN_EFFECTIVE_PASSES
-        };
+        let enough =
+            |pixel: &Relative| (pixel.photon_count - luck * pixel.photon_count.sqrt()) * more * bias >= MIN_PHOTONS;
         let (few_free, edge_free) = match set {
             PixelSet::Claimed => (0.0, 0.0),
             PixelSet::Counted => (1.0, 0.0),

@@ -1,7 +1,7 @@
 //! A group of pixels with similar flags: their errors as measured by a pilot, corrected for chance.
 
 use super::Bound;
-use crate::film::confidence::{ConfidenceInterval, Flags};
+use crate::film::confidence::ConfidenceInterval;
 
 /// Number of standard errors by which averages over all pixels may be off.
 const DOUBT: f64 = 2.0;
@@ -28,24 +28,17 @@ pub(super) struct Relative {
     luck: f64,
     /// Effective number of photons.
     pub(super) photon_count: f64,
-    /// Effective number of passes, as a share of all.
-    pub(super) passes_share: f64,
-    /// Whether it only lacks bright passes: there may be no photons at all, and need not be.
-    pub(super) only_rare: bool,
 }
 
 impl Relative {
-    /// From a confidence interval after `passes` passes; errors of pixels darker than `least` are fractions of `least`.
-    pub(super) fn new(interval: &ConfidenceInterval, passes: f64, least: f64, second: f64) -> Self {
+    /// From a confidence interval; errors of pixels darker than `least` are fractions of `least`.
+    pub(super) fn new(interval: &ConfidenceInterval, least: f64, second: f64) -> Self {
         let unit = interval.value.abs().max(least);
         // A pixel that is black in a black picture has no error.
         let of = |x: f64| if x > 0.0 { x / unit } else { 0.0 };
         // The bias is estimated from photons alone: its noise gives theirs.
         let photons = (interval.bias_error / second).min(interval.standard_error);
         let other = (interval.standard_error * interval.standard_error - photons * photons).max(0.0).sqrt();
-        // (Σx)²/(n Σx²), from mean and standard error of n passes x.
-        let relative_square = (interval.standard_error / interval.value).powi(2);
-        let passes_share = if interval.value == 0.0 { 1.0 } else { (1.0 + (passes - 1.0) * relative_square).recip() };
         Self {
             photons: of(photons),
             other: of(other),
@@ -59,8 +52,6 @@ impl Relative {
             random: 0.0,
             luck: 0.0,
             photon_count: interval.photons,
-            passes_share,
-            only_rare: interval.reasons() == Flags::RARE,
         }
     }
 

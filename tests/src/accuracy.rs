@@ -6,7 +6,7 @@ use photon_core::{
 };
 use photon_scene::builtin;
 
-use crate::fields::{BROKEN, Field, SMOOTH, Trial, film_of, judge};
+use crate::fields::{BROKEN, EDGES, Field, SMOOTH, Trial, film_of, judge};
 use crate::harness::{TestBackend, estimate, film, per_pass, photon_at, query_at, renderer};
 use crate::stats::{SIGMAS, assert_agrees, moments};
 
@@ -30,17 +30,35 @@ pub fn e1_claims_hold_in_smooth_fields<T: TestBackend>() {
     }
 }
 
-/// Edges and folds within the support are flagged in at least 19 of 20 pixels.
-pub fn e2_edges_and_folds_are_flagged<T: TestBackend>() {
+/// At straight edges within the radius, where the estimate misses up to half of the light, at least two thirds of 256
+/// independent trials have an interval, of which at least 93 % contain the truth; noise and twice the bias that a second radius
+/// shows would not, and the intervals are not wider than three times the error. Folds, corners and the dark side of an edge
+/// are flagged in at least 19 of 20 pixels.
+pub fn e2_edges_have_intervals_and_folds_are_flagged<T: TestBackend>() {
+    for (seed, field) in EDGES.iter().enumerate() {
+        let film = field_film::<T>(field, 24, 2.0 / 3.0, 80 + seed as u64);
+        let verdict = judge(field, std::slice::from_ref(&film));
+        let what = format!("{}: {verdict:?}", field.name);
+        // A proportion of 2/3 of 256 independent trials has a standard error of √(2/9/256) = 1/34.
+        assert!(verdict.claimed >= 2.0 / 3.0 - SIGMAS / 34.0 && verdict.covered >= 0.93, "{what}");
+        // The relative standard error of the root of a mean of 256 squares is 1/23.
+        assert!(verdict.sharpness <= 3.0 * (1.0 + 4.5 / 23.0), "{what}");
+        let truth = (field.at)(0.0, 0.0);
+        let plain = film.confidence_intervals().unwrap().into_iter().filter(|interval| {
+            let noise = photon_core::student_975(23.0) * interval.standard_error;
+            (interval.value - truth).abs() <= noise + 2.0 * interval.bias.abs()
+        });
+        assert!(plain.count() < 230, "{what}");
+    }
     for (seed, field) in BROKEN.iter().enumerate() {
-        let verdict = judge(field, &[field_film::<T>(field, 24, 2.0 / 3.0, 80 + seed as u64)]);
+        let verdict = judge(field, &[field_film::<T>(field, 24, 2.0 / 3.0, 85 + seed as u64)]);
         assert!(verdict.claimed <= 0.05, "{}: {verdict:?}", field.name);
     }
 }
 
 /// Negative control: the noise alone does not cover the error at a narrow bump with a fixed radius, nor at an edge.
 pub fn e3_noise_alone_does_not_cover<T: TestBackend>() {
-    for field in [&SMOOTH[3], &BROKEN[0]] {
+    for field in [&SMOOTH[3], &EDGES[1]] {
         let verdict = judge(field, &[field_film::<T>(field, 16, 1.0, 90)]);
         assert!(verdict.covered_by_noise <= 0.5, "{}: {verdict:?}", field.name);
     }
@@ -52,8 +70,8 @@ pub fn e3_noise_alone_does_not_cover<T: TestBackend>() {
     let few = intervals(7);
     assert!(few.iter().all(|interval| interval.flags.contains(Flags::FEW_PASSES)));
     let never = [Flags::FEW_PHOTONS, Flags::OTHER_SURFACE];
-    assert!(few.iter().all(|interval| !never.iter().any(|&flag| interval.flags.contains(flag))));
-    let others = few.iter().filter(|interval| interval.flags != Flags::FEW_PASSES).count() as f64;
+    assert!(few.iter().all(|interval| !never.iter().any(|&flag| interval.reasons().contains(flag))));
+    let others = few.iter().filter(|interval| interval.reasons() != Flags::FEW_PASSES).count() as f64;
     let chance = (-4.5_f64).exp() + 2.0 * 0.024;
     assert!(others <= 256.0 * chance + SIGMAS * (256.0 * chance * (1.0 - chance)).sqrt(), "{others} of 256");
     assert!(intervals(8).iter().all(|interval| !interval.flags.contains(Flags::FEW_PASSES)));
@@ -125,7 +143,7 @@ pub fn e5_errors_leave_the_picture_alone<T: TestBackend>() {
     for (a, b) in with.confidence_intervals().unwrap().iter().zip(merged.confidence_intervals().unwrap()) {
         assert!((a.bias - b.bias).abs() <= 1e-6 * f64::from(mean), "{a:?} {b:?}");
         assert!((a.bias_error - b.bias_error).abs() <= 1e-6 * f64::from(mean), "{a:?} {b:?}");
-        assert_eq!(a.flags, b.flags);
+        assert_eq!((a.flags, a.allowed), (b.flags, b.allowed));
     }
     assert!(with.confidence_intervals().unwrap().iter().any(|interval| interval.bias != 0.0));
 }

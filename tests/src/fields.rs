@@ -48,11 +48,17 @@ pub const SMOOTH: [Field; 5] = [
     Field { name: "side of a bump", at: |x, y| bump(x + 1.5, y, 1.5) / bump(1.5, 0.0, 1.5), most: 1.65 },
 ];
 
-/// Fields where no intervals may be claimed.
-pub const BROKEN: [Field; 7] = [
+/// Fields with an edge within the radius, where wider intervals are claimed and must hold.
+pub const EDGES: [Field; 5] = [
+    Field { name: "edge at 0", at: |x, _| lit(x > 0.0), most: 1.0 },
     Field { name: "edge at 0.05", at: |x, _| lit(x > -0.05), most: 1.0 },
+    Field { name: "edge at 0.15", at: |x, _| lit(x > -0.15), most: 1.0 },
     Field { name: "edge at 0.3", at: |x, _| lit(x > -0.3), most: 1.0 },
     Field { name: "dark, edge at 0.05", at: |x, _| lit(x > 0.05), most: 1.0 },
+];
+
+/// Fields where no intervals may be claimed.
+pub const BROKEN: [Field; 4] = [
     Field { name: "dark, edge at 0.3", at: |x, _| lit(x > 0.3), most: 1.0 },
     Field { name: "fold at 0.2", at: |x, _| fold(x, 0.2), most: 12.0 },
     Field { name: "fold at 0.5", at: |x, _| fold(x, 0.5), most: 12.0 },

@@ -96,7 +96,7 @@ macro_rules! whole_suite {
         $crate::suite! {
             $backend,
             accuracy::{
-                e1_claims_hold_in_smooth_fields, e2_edges_and_folds_are_flagged, e3_noise_alone_does_not_cover,
+                e1_claims_hold_in_smooth_fields, e2_edges_have_intervals_and_folds_are_flagged, e3_noise_alone_does_not_cover,
                 e4_spread_of_known_photons, e5_errors_leave_the_picture_alone, e6_gathered_light_is_claimed,
                 e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached,
             }

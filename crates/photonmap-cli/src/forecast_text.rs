@@ -10,7 +10,7 @@ pub fn error_line(what: &str, forecast: &Forecast) -> String {
         format!("; {:.1} % of them are within {:.2} %", 100.0 * forecast.within, 100.0 * target)
     });
     format!(
-        "{what}: after {passes} passes the error is at most {:.2} % in {:.0} % of the pixels that have an error estimate ({:.1} % of all){within}",
+        "{what}: after {passes} passes the error is at most {:.2} % in {:.0} % of the pixels whose error estimate needs no bounds ({:.1} % of all){within}",
         100.0 * error,
         100.0 * share,
         100.0 * claimed

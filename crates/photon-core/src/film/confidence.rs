@@ -5,13 +5,19 @@
 //! squares in f64 loses its precision only where the standard deviation of a pass is below 10⁻⁷ of the
 //! pixel.
 
+mod moments;
+mod widths;
+
 use bitflags::bitflags;
 use bytemuck::Zeroable;
 
-use crate::film::Film;
+use crate::film::{Film, FilmPixel};
 use crate::parallel;
 use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::scene::layout::{ErrorMoments, Estimate, Query};
+pub use moments::PhotonMoments;
+pub use widths::student_975;
+use widths::{noise_width, skew};
 
 #[cfg(test)]
 mod tests;
@@ -30,67 +36,6 @@ pub struct ErrorPixel {
     pub narrow_square: f64,
     /// Distribution of the photons of each map around the pixel's queries.
     pub photon_moments: PerMap<PhotonMoments>,
-}
-
-/// Distribution of the photons of one map around a pixel's queries: sums of [`ErrorMoments`] with the
-/// weights of the queries.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
-// Exhaustive: a backend must fill in every sum.
-pub struct PhotonMoments {
-    /// Σ power.
-    pub power: f64,
-    /// Σ of the squared powers.
-    pub power_squared: f64,
-    /// Σ power times the offset in the tangent plane.
-    pub slope: [f64; 2],
-    /// Σ power times the quadrupole of the offset.
-    pub quadrupole: [f64; 2],
-    /// Σ power of photons on other surfaces.
-    pub stray: f64,
-}
-
-impl PhotonMoments {
-    /// A photon farther from the query's plane than this fraction of the wide radius counts as lying on another
-    /// surface: [`ErrorMoments::stray`].
-    pub const OFF_PLANE: f32 = 0.25;
-
-    fn add(&mut self, other: &Self) {
-        self.power += other.power;
-        self.power_squared += other.power_squared;
-        for axis in 0..2 {
-            self.slope[axis] += other.slope[axis];
-            self.quadrupole[axis] += other.quadrupole[axis];
-        }
-        self.stray += other.stray;
-    }
-
-    /// Effective number of photons: as many with equal power would have the same relative variance (Kish
-    /// 1965).
-    fn photons(&self) -> f64 {
-        if self.power_squared > 0.0 { self.power * self.power / self.power_squared } else { 0.0 }
-    }
-
-    /// Whether the disc extends to another surface, with more than a fiftieth of its light there.
-    fn strays(&self) -> bool {
-        self.stray > 0.02 * (self.power + self.stray)
-    }
-
-    /// Whether the light has an edge within the disc, which no second radius detects: an edge through the
-    /// centre halves both estimates.
-    ///
-    /// Over a disc of radius R, the mean of x/R is at most 1/4 for any linear field that is nowhere
-    /// negative, and 4/3π at a straight edge through the centre. The mean of the quadrupole is 0 for any
-    /// linear field, with variance 1/6 for each of its two components, per photon: one in eighty pixels
-    /// exceeds 3 standard errors by chance, and the flag also requires more than a twentieth.
-    fn is_uneven(&self) -> bool {
-        let photons = self.photons();
-        if photons < 8.0 {
-            return false;
-        }
-        let slope = libm::hypot(self.slope[0], self.slope[1]) / self.power;
-        let quadrupole = libm::hypot(self.quadrupole[0], self.quadrupole[1]) / self.power;
-        slope > 0.25 || (quadrupole > 0.05 && quadrupole > 3.0 * (1.0 / (6.0 * photons)).sqrt())
-    }
 }
 
 impl ErrorPixel {
@@ -138,6 +83,24 @@ impl ErrorPixel {
         self.photon_moments.values().any(|map_moments| map_moments.power > 0.0)
     }
 
+    /// The light of a map in a pixel, a sum over passes. A map without photons gave none of its layer, which is of shadow rays
+    /// then.
+    fn light(&self, pixel: &FilmPixel, kind: MapKind) -> f64 {
+        let is_read = self.photon_moments[kind].power > 0.0;
+        if is_read { pixel.layers[kind.layer() as usize].iter().sum::<f64>() / 3.0 } else { 0.0 }
+    }
+
+    /// Bound of the error of the `light` of a map of which few photons were found, a sum over passes: the light of as many
+    /// photons as may have been expected, each with the mean `per_photon` of the picture, or the bound for any light.
+    ///
+    /// The expected number of which k were found is at most k + 1.4 √k + 3.7: the upper end of its 95 % interval is 3.7, 5.6,
+    /// 8.8 and 14.4 for k = 0, 1, 3 and 7.
+    fn missed(&self, pixel: &FilmPixel, kind: MapKind, light: f64, per_photon: f64) -> f64 {
+        let photons = self.photon_moments[kind].photons();
+        let most = photons + 1.4 * photons.sqrt() + 3.7;
+        (most * per_photon * albedo(pixel) - light).max(BOUND * light)
+    }
+
     /// Adds the statistics of a finished pass.
     pub fn end_pass(&mut self, pass: &Self) {
         self.bias += pass.bias;
@@ -158,7 +121,8 @@ impl ErrorPixel {
 }
 
 bitflags! {
-    /// Reasons why a pixel has no error estimate; empty if it has one.
+    /// Reasons why a pixel has no error estimate ([`ConfidenceInterval::flags`]), or one that allows for them by a bound
+    /// ([`ConfidenceInterval::allowed`]).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub struct Flags: u32 {
         /// Fewer than 8 passes: too few to estimate a variance.
@@ -171,6 +135,9 @@ bitflags! {
         const UNEVEN = 1 << 3;
         /// A smaller radius gives another bias, by more than a factor of 2.
         const CURVED = 1 << 4;
+        /// A few bright passes make up the value: effectively fewer than 4 passes, `(Σx)²/Σx²` for values x of passes. Their
+        /// spread does not tell how bright and how frequent such passes are. Not set together with `FEW_PASSES`.
+        const RARE = 1 << 5;
     }
 }
 
@@ -186,8 +153,9 @@ pub struct ConfidenceInterval {
     pub bias: f64,
     /// Standard error of the bias.
     pub bias_error: f64,
-    /// Bound of the bias of light that has no bias estimate: three times that light, which is at most a twentieth of the
-    /// pixel; 0 if there is none.
+    /// What bounds of the bias add to twice its estimate; 0 where the estimate is sufficient. Of light that is at most a
+    /// twentieth of the pixel, three times that light; at edges, a bound from the photons' distribution and from a smaller
+    /// radius; where photons are few, the light that may have been missed.
     pub bounded: f64,
     /// Effective number of photons within the disc, over all passes: as many with equal power would have
     /// the same relative variance (Kish 1965).
@@ -198,12 +166,20 @@ pub struct ConfidenceInterval {
     pub half_width: f64,
     /// Why there is no error estimate.
     pub flags: Flags,
+    /// Why the interval is wider than noise and bias: what [`ConfidenceInterval::bounded`] allows for. Empty where a bound of
+    /// less than a twentieth of the light is sufficient.
+    pub allowed: Flags,
 }
 
 /// Number of passes from which on errors are estimated. With fewer, stopping as soon as the error is small
 /// enough would favour passes whose error happens to be underestimated: 92 instead of 95 % of the intervals
 /// are right with 2 passes, 94 with 8.
 const MIN_PASSES: u32 = 8;
+
+/// The effective number of passes (Kish 1965), below which the spread of the passes is that of a few bright ones: as many
+/// equal passes and otherwise black ones would have the same relative variance. It is below 4 where the relative standard
+/// error is above 1/2, for many passes, or above 0.38 for 8 of them.
+const MIN_EFFECTIVE_PASSES: f64 = 4.0;
 
 /// With fewer photons, the distribution of the sums is too far from normal.
 pub(crate) const MIN_PHOTONS: f64 = 32.0;
@@ -212,23 +188,39 @@ pub(crate) const MIN_PHOTONS: f64 = 32.0;
 /// distribution with a mean of at most 15.8, by its 95 % interval.
 const MIN_BOUNDED_PHOTONS: f64 = 8.0;
 
+/// The share of a pixel up to which light that may have been missed is bounded instead of flagged, where photons are few.
+const SCARCE: f64 = 0.1;
+
 /// The share of a pixel up to which light without a bias estimate is bounded instead of flagged.
 const MINOR: f64 = 0.05;
+
+/// Noise of photons over that of the bias that they show with a second radius, by the Epanechnikov kernel
+/// ([`crate::Kernel::second_radius_noise`]); too large for other kernels, where less noise is taken to be skewed as strongly as
+/// that of reflections.
+const PHOTON_NOISE: f64 = 2.0;
 
 /// The true value of such light is between 0 and 4 times its estimate: at an edge of a surface the disc is half
 /// empty, at the corner of one with right angles three quarters of it; at an edge of light the estimate is at most
 /// the brighter side.
 const BOUND: f64 = 3.0;
 
+impl ConfidenceInterval {
+    /// Why noise and bias alone are no error estimate, whether there is an interval or not. Error targets and forecasts are of
+    /// the pixels without any but [`Flags::RARE`].
+    #[must_use]
+    pub fn reasons(&self) -> Flags {
+        self.flags | self.allowed
+    }
+}
+
 impl Film {
     /// Confidence interval of each pixel; `None` if error statistics are disabled, or not those of all pixels.
     ///
-    /// A pixel is flagged if the bias of some of its light has no estimate and this light is more than a twentieth of it;
-    /// of less light, the interval contains a bound.
-    ///
-    /// Light that is estimated from photon maps has a bias, which is estimated at visible points and at the
-    /// hits of final-gather rays. The latter are never flagged as uneven, since their light comes from many
-    /// places. Shadow rays have no bias.
+    /// Light that is estimated from photon maps has a bias, which is estimated at visible points and at the hits of
+    /// final-gather rays. The latter are never treated as uneven, since their light comes from many places. Shadow rays have
+    /// no bias. Where the estimate of the bias does not suffice, the interval contains a bound. A pixel is flagged instead if
+    /// the light is unlike that beside a straight edge, or if more than a tenth of it may have been missed for lack of
+    /// photons, unless such light is at most a twentieth of the pixel.
     #[must_use]
     pub fn confidence_intervals(&self) -> Option<Vec<ConfidenceInterval>> {
         let interval = self.interval()?;
@@ -244,13 +236,14 @@ impl Film {
         // A surface without photons cannot be told from a dark one: if any pixel has photons, those whose
         // first surface can store photons have to have some too.
         let any = errors.iter().any(ErrorPixel::is_known);
-        let is_asked = move |error: &ErrorPixel, pixel: &crate::FilmPixel| {
+        let is_asked = move |error: &ErrorPixel, pixel: &FilmPixel| {
             error.is_known() || (any && pixel.hits > 0 && pixel.albedo.iter().any(|&a| a > 0.0))
         };
         // Standard error of a mean of n numbers, from their sum and the sum of their squares.
         let standard_error = move |sum: f64, square: f64| {
             if self.passes < 2 { f64::INFINITY } else { ((square - sum * sum / n).max(0.0) / (n * (n - 1.0))).sqrt() }
         };
+        let per_photon = PerMap::from_fn(|kind| self.light_per_photon(errors, kind));
         Some(move |index: usize| {
             let (pixel, error) = (&self.pixels[index], &errors[index]);
             let sum = pixel.layers.iter().flatten().sum::<f64>() / 3.0;
@@ -269,23 +262,34 @@ impl Film {
             }
             let curved = differ(bias, bias_error, 2.0 * half, 2.0 * half_error);
             flags.set(Flags::CURVED, curved);
-            // Light of maps whose bias is not known. Where it is a small part of the pixel, its error is small too. A map
-            // without photons gave none of its layer, which is of shadow rays then.
-            let light = |kind: MapKind| match error.photon_moments[kind].power > 0.0 {
-                true => pixel.layers[kind.layer() as usize].iter().sum::<f64>() / 3.0,
-                false => 0.0,
-            };
+            let light = PerMap::from_fn(|kind| error.light(pixel, kind));
+            // Light of maps whose bias is not known. Where it is a small part of the pixel, its error is small too.
             let unknown: f64 =
-                doubtful.iter().filter(|(_, doubt)| curved || **doubt).map(|(kind, _)| light(kind)).sum();
-            let bounded = if unknown <= MINOR * sum && !(few && photons < MIN_BOUNDED_PHOTONS) {
+                doubtful.iter().filter(|(_, doubt)| curved || **doubt).map(|(kind, _)| light[kind]).sum();
+            let (mut bounded, mut allowed) = (0.0, Flags::default());
+            if unknown <= MINOR * sum && !(few && photons < MIN_BOUNDED_PHOTONS) {
                 flags = Flags::default();
-                BOUND * unknown / n
-            } else {
-                0.0
-            };
+                bounded = BOUND * unknown / n;
+            } else if few {
+                let missed: f64 =
+                    light.iter().map(|(kind, light)| error.missed(pixel, kind, *light, per_photon[kind])).sum();
+                if missed <= SCARCE * sum {
+                    bounded = missed / n;
+                    (flags, allowed) = (allowed, flags);
+                }
+            } else if light.iter().all(|(kind, light)| *light <= MINOR * sum || !error.photon_moments[kind].is_fold()) {
+                // Of the two estimates of the bias the larger, if it is so beyond the noise of the second.
+                let larger = bias.abs().max(2.0 * half.abs() - 4.0 * half_error);
+                let edge: f64 = light.iter().map(|(kind, light)| error.photon_moments[kind].edge_bound() * light).sum();
+                bounded = (2.0 * larger).max(edge / n) - 2.0 * bias.abs();
+                (flags, allowed) = (allowed, flags);
+            }
             flags.set(Flags::FEW_PASSES, self.passes < MIN_PASSES);
+            flags.set(Flags::RARE, self.passes >= MIN_PASSES && sum * sum < MIN_EFFECTIVE_PASSES * pixel.square);
             let half_width = if flags.is_empty() {
-                (noise_width(quantile, noise, sum / n) + 2.0 * bias.abs() + bounded) * to_user
+                let found: f64 = light.values().sum();
+                let skew = skew(sum / n, noise, [found / n, PHOTON_NOISE * bias_error]);
+                (noise_width(quantile, noise, skew) + 2.0 * bias.abs() + bounded) * to_user
             } else {
                 f64::INFINITY
             };
@@ -298,9 +302,25 @@ impl Film {
                 photons,
                 half_width,
                 flags,
+                allowed,
             }
         })
     }
+
+    /// The light of a map that a photon contributes to a pixel, over its albedo; both are sums over passes. 0 if no
+    /// photon was found.
+    fn light_per_photon(&self, errors: &[ErrorPixel], kind: MapKind) -> f64 {
+        let (light, photons) = self.pixels.iter().zip(errors).fold((0.0, 0.0), |(light, photons), (pixel, error)| {
+            let found = error.photon_moments[kind].photons() * albedo(pixel);
+            (light + error.light(pixel, kind), photons + found)
+        });
+        if photons > 0.0 { light / photons } else { 0.0 }
+    }
+}
+
+/// Mean albedo of the first visible surface, a sum over passes.
+fn albedo(pixel: &FilmPixel) -> f64 {
+    pixel.albedo.iter().sum::<f64>() / 3.0
 }
 
 /// Whether one of two biases is more than twice the other, beyond 3 standard errors.
@@ -309,41 +329,4 @@ fn differ(a: f64, a_error: f64, b: f64, b_error: f64) -> bool {
         a.abs() - 2.0 * b.abs() > 3.0 * (a_error * a_error + 4.0 * b_error * b_error).sqrt()
     };
     more(a, a_error, b, b_error) || more(b, b_error, a, a_error)
-}
-
-/// Half width of the interval for the noise alone, of a mean of passes with this standard error: `quantile` of Student's t
-/// times the error, plus the correction of Johnson (1978, "Modified t tests and confidence intervals for asymmetrical
-/// populations") for a skewness γ of the n passes, γ(2t² + 1)/(6√n) times the error.
-///
-/// The skewness is taken as 4σ/μ, where σ and μ are deviation and mean of a pass: a gamma distribution has 2σ/μ, a
-/// lognormal one 3σ/μ + (σ/μ)³. Then γ/√n is 4 times the relative standard error. Without the correction, intervals miss
-/// pixels in which bright reflections are rare: too few were drawn, and the value and its error are both too small.
-/// [`crate::ErrorModel`] leaves it out: it falls twice as fast as the error.
-fn noise_width(quantile: f64, error: f64, mean: f64) -> f64 {
-    let relative = if mean.abs() > 0.0 { error / mean.abs() } else { 0.0 };
-    error * (quantile + SKEWNESS * relative * (2.0 * quantile * quantile + 1.0) / 6.0)
-}
-
-/// Skewness of the noise of a pass, over its relative deviation.
-const SKEWNESS: f64 = 4.0;
-
-/// The 97.5 % quantile of Student's t: the half-width of a 95 % interval in standard errors.
-///
-/// By its expansion in powers of 1/ν about the normal quantile (Fisher and Cornish 1960); the error is less
-/// than 10⁻³ from 5 degrees of freedom on. Infinite below 1.
-#[must_use]
-pub fn student_975(freedom: f64) -> f64 {
-    const Z: f64 = 1.959_963_984_540_054;
-    if !(freedom >= 1.0) {
-        return f64::INFINITY;
-    }
-    let z2 = Z * Z;
-    let terms = [
-        (z2 + 1.0) / 4.0,
-        ((5.0 * z2 + 16.0) * z2 + 3.0) / 96.0,
-        (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0,
-        ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) / 92_160.0,
-    ];
-    let series = terms.iter().rev().fold(0.0, |sum, term| (sum + term) / freedom);
-    Z * (1.0 + series)
 }

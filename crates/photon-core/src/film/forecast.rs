@@ -15,7 +15,8 @@ const SAMPLE: usize = 16_384;
 pub struct Forecast {
     /// Passes so far.
     pub passes: u32,
-    /// Share of all pixels that have an error estimate.
+    /// Share of all pixels that the error is of: those with an error estimate that does not have to allow for edges or few
+    /// photons ([`ConfidenceInterval::reasons`] is empty or [`Flags::RARE`]).
     pub claimed: f64,
     /// Share of these whose error is within the target now.
     pub within: f64,
@@ -71,7 +72,7 @@ impl Forecast {
 /// Predicts errors from the relative errors of a sample of pixels.
 #[derive(Clone, Debug)]
 pub struct ErrorModel {
-    /// Pixels with an error estimate; with too few photons; with an edge within the disc.
+    /// Pixels with an error estimate that allows for nothing; with too few photons; with an edge within the disc.
     groups: [Group; 3],
     /// Mean squares over all visible pixels, flagged or not.
     mean: Parts,
@@ -111,13 +112,18 @@ impl ErrorModel {
     /// From the confidence intervals after the passes of `schedule`; errors are quantiles at `share`;
     /// `second` is [`crate::Kernel::second_radius_noise`]. Intervals are ordered by pixel, so that the
     /// correlation of neighbours can be estimated. `None` if no pixel has an error estimate.
+    ///
+    /// Pixels whose interval allows for an edge or for few photons ([`ConfidenceInterval::allowed`]) count as those without
+    /// one: their bounds do not fall with noise and bias, and a target would hang on the share of such pixels.
     #[must_use]
     pub fn new(intervals: &[ConfidenceInterval], schedule: Schedule, share: f64, second: f64) -> Option<Self> {
         let mean = intervals.iter().map(|interval| interval.value).sum::<f64>() / intervals.len().max(1) as f64;
         let least = 0.1 * mean.abs();
         let relative = |interval: &ConfidenceInterval| Relative::new(interval, least, second);
+        // Rare light counts with the error that it has: a target would be easier without the noisiest pixels.
+        let reasons = |interval: &ConfidenceInterval| interval.reasons() - Flags::RARE;
         let group = |of: &dyn Fn(Flags) -> bool| {
-            let members: Vec<&ConfidenceInterval> = intervals.iter().filter(|interval| of(interval.flags)).collect();
+            let members: Vec<&ConfidenceInterval> = intervals.iter().filter(|interval| of(reasons(interval))).collect();
             let step = members.len().div_ceil(SAMPLE).max(1);
             let pixels: Vec<Relative> = members.iter().step_by(step).map(|&interval| relative(interval)).collect();
             Group::new(pixels, members.len(), f64::from(schedule.passes()) - 1.0, second)
@@ -135,7 +141,7 @@ impl ErrorModel {
             steady: sum.steady + pixel.bias * pixel.bias - pixel.bias_error * pixel.bias_error,
         });
         sum.steady = sum.steady.max(0.0);
-        let claimed = intervals.iter().filter(|interval| interval.flags.is_empty()).count() as f64
+        let claimed = intervals.iter().filter(|interval| reasons(interval).is_empty()).count() as f64
             / intervals.len().max(1) as f64;
         (!groups[0].pixels.is_empty()).then_some(Self { groups, mean: sum, claimed, schedule, share })
     }

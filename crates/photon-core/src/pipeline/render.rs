@@ -363,6 +363,7 @@ mod tests {
                 photons: 1000.0,
                 half_width: 2.0 * noise,
                 flags: crate::Flags::default(),
+                allowed: crate::Flags::default(),
             };
             Ok(if self.tells {
                 ErrorModel::new(&vec![interval; 10_000], crate::Schedule::of(self.passes, 1.0), share, 0.5)

@@ -71,7 +71,7 @@ impl Radii {
             let step = step(noise_squared, bias_squared);
             let edge = [Flags::OTHER_SURFACE, Flags::UNEVEN, Flags::CURVED];
             // Across an edge a second radius is a poor measure of the bias: do not increase the radius there.
-            let flags = interval(pixel).flags;
+            let flags = interval(pixel).reasons();
             let broken = edge.iter().any(|&flag| flags.contains(flag));
             libm::log(if broken { step.min(1.0) } else { step })
         });

@@ -23,7 +23,8 @@ pub enum Budget {
         /// The largest relative error, > 0: a fraction of the pixel, or of a tenth of the picture's mean
         /// where the pixel is darker than that.
         target: f64,
-        /// The share of pixels that have to reach it, among the pixels that have an error estimate; above 0
+        /// The share of pixels that have to reach it, among the pixels whose error estimate needs no
+        /// bounds ([`crate::ConfidenceInterval::reasons`] is empty); above 0
         /// and at most 1.
         share_of_pixels: f64,
     },

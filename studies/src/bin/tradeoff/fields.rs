@@ -1,7 +1,7 @@
 //! Confidence intervals and convergence rates in fields with an exactly known result, those of the test suite.
 
 use photon_core::{Film, TransportBackend, inverse_radius_squared_sum, radius_squared_sum};
-use photon_tests::fields::{BROKEN, Field, SMOOTH, Trial, film_of, films_of, judge};
+use photon_tests::fields::{BROKEN, EDGES, Field, SMOOTH, Trial, film_of, films_of, judge};
 use photonmap_cli::fault::Fault;
 
 use crate::engine::Work;
@@ -23,7 +23,8 @@ impl Work for FieldClaims {
 
     fn on<B: TransportBackend>(self, on: &mut B) -> Result<Vec<FieldRow>, Fault> {
         let mut rows = Vec::new();
-        let fields = || SMOOTH.iter().map(|field| (field, false)).chain(BROKEN.iter().map(|field| (field, true)));
+        let fields =
+            || SMOOTH.iter().chain(&EDGES).map(|field| (field, false)).chain(BROKEN.iter().map(|field| (field, true)));
         for (passes, alpha) in [(16, THIRDS), (64, THIRDS), (64, 1.0)] {
             for (number, (field, broken)) in fields().enumerate() {
                 let films = (0..self.films)

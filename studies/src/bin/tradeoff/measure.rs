@@ -160,6 +160,7 @@ mod tests {
             bias_error: 0.0,
             half_width,
             flags: photon_core::Flags::default(),
+            allowed: photon_core::Flags::default(),
         };
         let run = |claim| Run { grey: vec![1.0], claims: Some(vec![claim]), passes: 9, seconds: 1.0, photons: 1 };
         let details = claims(&[run(claim(1.1, 0.2)), run(claim(0.9, 0.05))], &|_| 1.0);

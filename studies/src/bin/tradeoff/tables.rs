@@ -103,7 +103,7 @@ pub(crate) fn fields(parts: &[Part]) -> String {
     let widest = smooth.map(|row| row.claims.sharpness).fold(0.0, f64::max);
     let most = all.iter().filter(|row| row.broken).map(|row| row.claims.claimed).fold(0.0, f64::max);
     let mut text = format!(
-        "\n### Intervals in fields with a known answer\n\n{} seeds per row with {} independent pixels each, and 20 expected photons within the first radius, which is the unit of distances.\n*By noise* is the fraction of pixels that an interval from noise alone would cover. In smooth fields {} of the intervals\nor more hold, and none is wider than {widest:.2} root mean square errors; at edges, creases and corners at most {} of the pixels have an interval.\n",
+        "\n### Intervals in fields with a known answer\n\n{} seeds per row with {} independent pixels each, and 20 expected photons within the first radius, which is the unit of distances.\n*By noise* is the fraction of pixels that an interval from noise alone would cover. In smooth fields and at\nstraight edges {} of the intervals or more hold, and none is wider than {widest:.2} root mean square errors; at folds, at\ncorners and on the dark side of edges at most {} of the pixels have an interval.\n",
         row.films,
         row.pixels,
         percent(least),

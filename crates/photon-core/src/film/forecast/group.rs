@@ -47,7 +47,8 @@ impl Relative {
             bias: of(interval.bias.abs()),
             steady: [0.0; 2],
             bias_error: of(interval.bias_error),
-            bounded: of(interval.bounded),
+            // Bounds at edges and for scarce photons say nothing about what is left when there are none.
+            bounded: if interval.allowed.is_empty() { of(interval.bounded) } else { 0.0 },
             random: 0.0,
             luck: 0.0,
             photon_count: interval.photons,

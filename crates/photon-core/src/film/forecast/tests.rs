@@ -15,6 +15,7 @@ fn intervals(noise: f64, bias: f64, bias_error: f64) -> Vec<ConfidenceInterval> 
         photons: 1000.0,
         half_width: 1.0,
         flags: Flags::default(),
+        allowed: Flags::default(),
     };
     let mut intervals = vec![interval; 90];
     intervals.extend(vec![ConfidenceInterval { flags: Flags::UNEVEN, half_width: f64::INFINITY, ..interval }; 10]);
@@ -127,6 +128,7 @@ fn told_by_chance(pixel: usize) -> ConfidenceInterval {
         photons: 1000.0,
         half_width: 1.0,
         flags: Flags::default(),
+        allowed: Flags::default(),
     }
 }
 
@@ -153,6 +155,18 @@ fn pixels_at_edges_join_in_as_radii_shrink() {
     // And pixels without photons are never included.
     let never = of(Flags::FEW_PHOTONS, 0.0).error_after(1 << 20);
     assert!(never / model.least_error_after(1 << 20) < 3.0, "{never}");
+}
+
+/// Pixels with rare light take part in a target with the error that they have; without them it would be reached.
+#[test]
+fn rare_pixels_are_part_of_the_target() {
+    let mut rare = intervals(0.1, 0.0, 0.0);
+    rare.truncate(90);
+    for interval in rare.iter_mut().take(9) {
+        (interval.flags, interval.standard_error) = (Flags::RARE, 1.6);
+    }
+    let (all, others) = (model_of(&rare, 8, 1.0).unwrap(), model_of(&rare[9..], 8, 1.0).unwrap());
+    assert!((all.error() - 8.0 * others.error()).abs() < 1e-12, "{} {}", all.error(), others.error());
 }
 
 /// 100 pixels, of which 10 have `times` the error of the others, and these flags.

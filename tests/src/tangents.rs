@@ -1,9 +1,7 @@
 //! V4: surfaces whose vertex tangents give no frame.
 
 use photon_core::{Direct, EnvironmentMap, Filter, Indirect, Settings};
-use photon_scene::{
-    MaterialDesc, SceneBuilder, Surface, TextureDesc, TextureRef, TexturesDesc, VertexAttributes,
-};
+use photon_scene::{MaterialDesc, SceneBuilder, Surface, TextureDesc, TextureRef, TexturesDesc, VertexAttributes};
 
 use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass};
 use crate::stats::{assert_agrees, moments, standard_error};
@@ -40,8 +38,7 @@ pub fn v4_tangents_without_a_frame<T: TestBackend>() {
         [1.0, 0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0, f64::NAN],
     ];
-    let surface =
-        Surface::Glossy { base_color: [1.0; 3], metallic: 1.0, roughness: 0.4, specular: 1.0, ior: 1.5 };
+    let surface = Surface::Glossy { base_color: [1.0; 3], metallic: 1.0, roughness: 0.4, specular: 1.0, ior: 1.5 };
     let brushed = MaterialDesc::new("brushed", surface).with_anisotropy(0.8, 0.4);
     let settings = direct_settings(Direct::Nee, 0.1);
     let shown = |tangent| {

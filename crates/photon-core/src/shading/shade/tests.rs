@@ -116,7 +116,9 @@ fn lobes_of_degenerate_directions_are_finite() {
                     assert!(found.value.is_finite() && found.pdf.is_finite(), "{found:?}");
                 }
             }
-            for (kind, eta) in [(MaterialKind::Dielectric, 1.5), (MaterialKind::Dielectric, 1.0 / 1.5), (MaterialKind::Thin, 1.5)] {
+            for (kind, eta) in
+                [(MaterialKind::Dielectric, 1.5), (MaterialKind::Dielectric, 1.0 / 1.5), (MaterialKind::Thin, 1.5)]
+            {
                 let interface = Interface {
                     eta,
                     before: MediumStack::VACUUM,

@@ -215,7 +215,7 @@ fn cut_outs_keep_the_colours_of_what_is_there() {
     let texel = |at: usize| match at {
         // A corner that differs, so that the image is not of one colour.
         0 => [0, 0, 255, 255],
-        _ if at % 2 == 0 => [255, 0, 0, 255],
+        _ if at.is_multiple_of(2) => [255, 0, 0, 255],
         _ => [0, 255, 0, 0],
     };
     let texels: Vec<u8> = (0..side * side).flat_map(texel).collect();

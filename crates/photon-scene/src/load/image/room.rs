@@ -131,7 +131,7 @@ mod tests {
     fn many_are_halved_as_they_are_added() {
         let most = MAX_WORDS >> 10;
         let (mut builder, mut room) = (SceneBuilder::new(), Room::default());
-        let columns: Vec<[u8; 4]> = (0..128 * 128).map(|at| [if at % 2 == 0 { 0 } else { 255 }; 4]).collect();
+        let columns: Vec<[u8; 4]> = (0..128 * 128).map(|at| [(at % 2 * 255) as u8; 4]).collect();
         for at in 0..64 {
             builder.texture(TextureDesc::srgb8(at.to_string(), 128, 128, &columns));
             assert!(words(&builder) <= most + 128 * 128);

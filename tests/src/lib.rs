@@ -53,10 +53,12 @@ pub mod shading_normals;
 pub mod shadow_terminator;
 pub mod sheen;
 pub mod sheets;
+pub mod smooth_metals;
 pub mod specular_colors;
 pub mod stats;
 mod stripes;
 pub mod sun;
+pub mod tangents;
 pub mod textures;
 pub mod twin;
 pub mod views;
@@ -159,6 +161,11 @@ macro_rules! whole_suite {
                 g4_white_furnace, highlights_of_a_point_light, reflections_of_an_area_light, caustics_of_a_glossy_plate,
                 textured_specular_factor, g5_closed_room,
             }
+            smooth_metals::{
+                g15_a_narrow_metal_is_a_mirror, v1_light_reflected_around_the_threshold,
+                v1_seen_around_the_threshold, v1_furnace_around_the_threshold, v1_invalid_roughness,
+            }
+            tangents::{ v4_tangents_without_a_frame }
             gloss_behind_glass::{ plastic_behind_panes }
             specular_colors::{ channels_are_grey_coats }
             clearcoat::{ white_furnace, sunlit_surfaces, own_normals }
@@ -183,7 +190,7 @@ macro_rules! whole_suite {
             }
             rough_glass::{ g4_white_furnace, light_behind_a_boundary, g5_closed_room }
             textures::{
-                g8_textured_floor, g8_textured_floor_by_photons, g13_ramp_light, two_coloured_light, vertex_colours,
+                g8_textured_floor, g8_textured_floor_by_photons, v9_16384_squared, g13_ramp_light, two_coloured_light, vertex_colours,
             }
             alpha::{
                 g12_sheets_transmit, g12_masks_transmit, v15_a_thousand_sheets,

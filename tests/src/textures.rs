@@ -1,8 +1,9 @@
 //! Textures and vertex colours on surfaces and lights.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-use photon_core::{Direct, Film, Filter, Render, Settings, Wrap};
+use photon_core::{Direct, Film, Filter, Render, Settings, TexelFormat, Texture, Wrap};
 use photon_scene::{
     CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc,
     VertexAttributes,
@@ -88,6 +89,36 @@ pub fn g8_textured_floor<T: TestBackend>() {
             let error = (variance / f64::from(passes)).sqrt();
             assert_agrees(&format!("{wrap:?} {pixel}"), found, blurred, error, 1e-6);
         }
+    }
+}
+
+/// V9: of a texture of 16384² texels, 1 GiB, the last ones in the last rows are found.
+pub fn v9_16384_squared<T: TestBackend>() {
+    let side = 16_384_u32;
+    let mut texels: Arc<[u32]> = std::iter::repeat_n(0x00FF_FFFF, side as usize * side as usize).collect();
+    let all = Arc::get_mut(&mut texels).unwrap();
+    for (k, &grey) in TEXELS.iter().enumerate() {
+        let (x, y) = (side as usize - 4 + k % 4, side as usize - 4 + k / 4);
+        all[y * side as usize + x] = u32::from_le_bytes([grey, grey, grey, 255]);
+    }
+    let image = Texture {
+        texels,
+        width: side,
+        height: side,
+        format: TexelFormat::Linear8,
+        wrap: [Wrap::Clamp; 2],
+        filter: Filter::Nearest,
+    };
+    let mut builder = SceneBuilder::new();
+    let image = TextureRef::new(builder.texture(TextureDesc::new("large", image)));
+    let share = 4.0 / f64::from(side);
+    let image = image.with_transform([[share, 0.0, 1.0 - share], [0.0, share, 1.0 - share]]);
+    floor(&mut builder, TexturesDesc::default().with_base_color(image), (0.0, 1.0));
+    let scene = builder.build().unwrap();
+    let seen = red(&film::<T>(&scene, &direct_light(Direct::Nee), 2, 4));
+    for (found, grey) in seen.into_iter().zip(TEXELS) {
+        let truth = f64::from(grey) / 255.0;
+        assert!((found - truth).abs() < 1e-6, "{found} instead of {truth}");
     }
 }
 

@@ -178,6 +178,70 @@ fn textures_are_reduced_and_counted() {
     }
 }
 
+/// V9: images of 4096² texels, columns of black and white of one bit each; halved while they are read, to the mean in
+/// linear light, without ever being whole in memory.
+#[test]
+fn large_images_are_halved_in_linear_light() {
+    let side = 4096;
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side, side);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::One);
+    let rows = vec![0b0101_0101; (side * side / 8) as usize];
+    encoder.write_header().unwrap().write_image_data(&rows).unwrap();
+    let folder = Folder::new("large");
+    let path = gltf(&folder, &[("a.png", bytes.clone()), ("b.png", bytes)], "");
+    let limit = 60 << 20;
+    let (result, peak) = peak(|| within(&path, limit));
+    let (builder, report) = result.unwrap();
+    assert!(peak <= limit + DESCRIPTIONS, "{peak}");
+    let text = report.to_string();
+    assert_eq!(text.matches("from 4096 × 4096 texels to 2048 × 2048 texels").count(), 2, "{text}");
+    let scene = builder.build().unwrap();
+    // Of one colour now, of which there is no texture: ½, whose code is 188.
+    let half = ((188.0_f64 / 255.0 + 0.055) / 1.055).powf(2.4) as f32;
+    assert!(scene.view().shading.textures.is_empty());
+    assert!(scene.view().materials.iter().all(|material| (material.albedo[0] - half).abs() < 1e-6));
+}
+
+/// Cut-outs: columns of opaque red and transparent green. Halved for a material whose alpha is in use they are red, half of
+/// it there; for an opaque one, the mean of both.
+#[test]
+fn cut_outs_keep_the_colours_of_what_is_there() {
+    let side = 1024_usize;
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side as u32, side as u32);
+    encoder.set_color(png::ColorType::Rgba);
+    let texel = |at: usize| match at {
+        // A corner that differs, so that the image is not of one colour.
+        0 => [0, 0, 255, 255],
+        _ if at.is_multiple_of(2) => [255, 0, 0, 255],
+        _ => [0, 255, 0, 0],
+    };
+    let texels: Vec<u8> = (0..side * side).flat_map(texel).collect();
+    encoder.write_header().unwrap().write_image_data(&texels).unwrap();
+    let folder = Folder::new("leaves");
+    let path = gltf(&folder, &[("leaf.png", bytes)], "");
+    let opaque = fs::read_to_string(&path).unwrap();
+    folder.write("a.mtl", "newmtl m\nmap_Kd leaf.png\nmap_d leaf.png\n");
+    let obj = folder.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+    let last = |path: &Path| {
+        let (builder, report) = within(path, 3 << 20).unwrap();
+        assert!(report.to_string().contains("reduced"), "{report}");
+        let scene = builder.build().unwrap();
+        let image = &scene.view().shading.textures[0];
+        assert!(image.width < 1024);
+        image.texels.last().unwrap().to_le_bytes()
+    };
+    assert_eq!(last(&path), [188, 188, 0, 128]);
+    for mode in ["BLEND", "MASK"] {
+        fs::write(&path, opaque.replace(r#""name": "m0","#, &format!(r#""name": "m0", "alphaMode": "{mode}","#)))
+            .unwrap();
+        assert_eq!(last(&path), [255, 0, 0, 128], "{mode}");
+    }
+    assert_eq!(last(&obj), [255, 0, 0, 128]);
+}
+
 #[test]
 fn what_does_not_fit_is_named_with_its_sizes() {
     let folder = Folder::new("refused");

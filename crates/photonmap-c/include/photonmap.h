@@ -245,6 +245,26 @@ typedef struct PmRenderer PmRenderer;
 typedef struct PmScene PmScene;
 
 /**
+ * How scene files are read. All zero, except for the size: no overrides, no limit.
+ */
+typedef struct PmLoadOptions {
+  /**
+   * sizeof(PmLoadOptions).
+   */
+  size_t size;
+  /**
+   * Path of a TOML file that changes or adds materials, lights, cameras and an environment, UTF-8; NULL: none.
+   */
+  const char *overrides;
+  /**
+   * Limit in bytes on what reading holds at any time: files, meshes, textures and images; 0: none but the fixed ones.
+   * Textures that do not fit are reduced, which the scene's report says; if that is not enough, the call fails with
+   * PM_STATUS_OUT_OF_MEMORY before anything too large is decoded. Tables that are made of the scene do not count.
+   */
+  uint64_t memory;
+} PmLoadOptions;
+
+/**
  * Facts about a scene. Normalised space, which ray casters see, is `(user - center) / scale`.
  */
 typedef struct PmSceneInfo {
@@ -718,6 +738,11 @@ size_t pm_last_error(char *text, size_t room);
 PmStatus pm_scene_load(const char *file, const char *overrides, struct PmScene **scene);
 
 /**
+ * As pm_scene_load(), with options, which may be NULL.
+ */
+PmStatus pm_scene_load_with(const char *file, const struct PmLoadOptions *options, struct PmScene **scene);
+
+/**
  * Makes one of the built-in scenes, such as "cornell-glass"; the error of another name lists them. `*scene` is to be
  * freed with pm_scene_free().
  */
@@ -760,6 +785,11 @@ PmStatus pm_builder_new(struct PmBuilder **builder);
  * Reads a scene file, as pm_scene_load(), to add to it. `*builder` is to be freed with pm_builder_free().
  */
 PmStatus pm_builder_load(const char *file, const char *overrides, struct PmBuilder **builder);
+
+/**
+ * As pm_builder_load(), with options, which may be NULL.
+ */
+PmStatus pm_builder_load_with(const char *file, const struct PmLoadOptions *options, struct PmBuilder **builder);
 
 /**
  * Adds a material. `*id`, which may be NULL, is what meshes refer to it by.

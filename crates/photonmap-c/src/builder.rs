@@ -4,8 +4,8 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use photonmap::scene::{
-    CameraDesc, LightDesc, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, SceneBuilder, Surface,
-    ThinLens, VertexAttributes, builtin, builtin_names, load_builder,
+    CameraDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, SceneBuilder,
+    Surface, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with,
 };
 
 use crate::describe::{
@@ -13,6 +13,7 @@ use crate::describe::{
     PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR, PM_MATERIAL_THIN, PmCamera, PmLight, PmMaterial, PmMesh,
 };
 use crate::error::{Fault, PmStatus, Result, call, free};
+use crate::options::{self, PmLoadOptions};
 use crate::pointer;
 use crate::scene::PmScene;
 
@@ -25,9 +26,9 @@ pub struct PmBuilder {
 }
 
 impl PmBuilder {
-    pub(crate) fn from_file(file: &str, overrides: Option<&str>) -> Result<Self> {
-        let overrides = overrides.map(|path| Overrides::read(Path::new(path))).transpose()?;
-        let (scene, report) = load_builder(Path::new(file), overrides.as_ref())?;
+    pub(crate) fn from_file(file: &str, (overrides, options): (Option<&str>, LoadOptions)) -> Result<Self> {
+        let overrides = overrides.map(|path| Overrides::read_with(Path::new(path), &options)).transpose()?;
+        let (scene, report) = load_builder_with(Path::new(file), overrides.as_ref(), &options)?;
         Ok(Self { scene, report, ..Self::default() })
     }
 
@@ -65,7 +66,25 @@ pub unsafe extern "C" fn pm_builder_load(
         // SAFETY: the caller's texts, and pointer to a handle.
         unsafe {
             pointer::hand_out(builder, || {
-                PmBuilder::from_file(pointer::text(file, "file")?, pointer::text_or_null(overrides, "overrides")?)
+                let overrides = pointer::text_or_null(overrides, "overrides")?;
+                PmBuilder::from_file(pointer::text(file, "file")?, (overrides, LoadOptions::default()))
+            })
+        }
+    })
+}
+
+/// As pm_builder_load(), with options, which may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_load_with(
+    file: *const c_char,
+    options: *const PmLoadOptions,
+    builder: *mut *mut PmBuilder,
+) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's text, struct, and pointer to a handle.
+        unsafe {
+            pointer::hand_out(builder, || {
+                PmBuilder::from_file(pointer::text(file, "file")?, options::loading(options)?)
             })
         }
     })

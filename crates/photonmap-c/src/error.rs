@@ -96,6 +96,7 @@ impl From<SceneError> for Fault {
         let status = match error {
             _ if file => PmStatus::File,
             SceneError::PictureSize { .. } => PmStatus::InvalidArgument,
+            SceneError::Memory { .. } => PmStatus::OutOfMemory,
             _ => PmStatus::InvalidScene,
         };
         Self::new(status, error)

@@ -3,6 +3,7 @@
 use std::ffi::{c_char, c_void};
 
 use photonmap::Settings;
+use photonmap::scene::LoadOptions;
 
 use crate::caster::PmCaster;
 use crate::error::{Fault, PmStatus, Result};
@@ -20,6 +21,20 @@ pub struct PmView {
     pub width: u32,
     /// Height in pixels, at least 1. At most 2^31 pixels in all.
     pub height: u32,
+}
+
+/// How scene files are read. All zero, except for the size: no overrides, no limit.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PmLoadOptions {
+    /// sizeof(PmLoadOptions).
+    pub size: usize,
+    /// Path of a TOML file that changes or adds materials, lights, cameras and an environment, UTF-8; NULL: none.
+    pub overrides: *const c_char,
+    /// Limit in bytes on what reading holds at any time: files, meshes, textures and images; 0: none but the fixed ones.
+    /// Textures that do not fit are reduced, which the scene's report says; if that is not enough, the call fails with
+    /// PM_STATUS_OUT_OF_MEMORY before anything too large is decoded. Tables that are made of the scene do not count.
+    pub memory: u64,
 }
 
 /// What a renderer runs on. All zero, except for the size: all cores, with the library's own ray caster.
@@ -58,7 +73,23 @@ pub struct PmProgress {
 /// Returns 0 to go on; anything else stops the render within the pass. It must not use the renderer, nor throw exceptions.
 pub type PmProgressFunction = Option<unsafe extern "C" fn(user: *mut c_void, progress: *const PmProgress) -> i32>;
 
-pointer::versioned!(PmView, PmDevice, PmProgress);
+pointer::versioned!(PmLoadOptions, PmView, PmDevice, PmProgress);
+
+/// Overrides and limits; NULL is none of them.
+///
+/// # Safety
+/// `options` is NULL or a struct, whose texts are valid.
+pub(crate) unsafe fn loading<'a>(options: *const PmLoadOptions) -> Result<(Option<&'a str>, LoadOptions)> {
+    if options.is_null() {
+        return Ok((None, LoadOptions::default()));
+    }
+    // SAFETY: as the caller ensures.
+    let (given, overrides) = unsafe {
+        let given = pointer::read(options)?;
+        (given, pointer::text_or_null(given.overrides, "overrides")?)
+    };
+    Ok((overrides, LoadOptions::default().with_memory((given.memory > 0).then_some(given.memory))))
+}
 
 /// Settings from JSON; NULL is `{}`.
 ///

@@ -3,11 +3,12 @@
 use std::ffi::c_char;
 use std::sync::Arc;
 
-use photonmap::scene::{LoadReport, Scene};
+use photonmap::scene::{LoadOptions, LoadReport, Scene};
 
 use crate::builder::PmBuilder;
 use crate::describe::PmSceneInfo;
 use crate::error::{Fault, PmStatus, call, free, length};
+use crate::options::{self, PmLoadOptions};
 use crate::pointer;
 
 /// A scene. It does not change, and may be used by several threads at once.
@@ -40,7 +41,24 @@ pub unsafe extern "C" fn pm_scene_load(
         unsafe {
             pointer::hand_out(scene, || {
                 let overrides = pointer::text_or_null(overrides, "overrides")?;
-                PmBuilder::from_file(pointer::text(file, "file")?, overrides)?.build()
+                PmBuilder::from_file(pointer::text(file, "file")?, (overrides, LoadOptions::default()))?.build()
+            })
+        }
+    })
+}
+
+/// As pm_scene_load(), with options, which may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_scene_load_with(
+    file: *const c_char,
+    options: *const PmLoadOptions,
+    scene: *mut *mut PmScene,
+) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's text, struct, and pointer to a handle.
+        unsafe {
+            pointer::hand_out(scene, || {
+                PmBuilder::from_file(pointer::text(file, "file")?, options::loading(options)?)?.build()
             })
         }
     })

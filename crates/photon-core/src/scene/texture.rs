@@ -83,7 +83,8 @@ pub enum Filter {
 // Exhaustive: written as a literal by callers that fill in a `SceneView`, who must state every field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// Row by row from the top left, [`TexelFormat::words`] words for each texel.
+    /// Row by row from the top left, [`TexelFormat::words`] words for each texel; of floats at most
+    /// [`Self::MAX_FLOAT_WORDS`].
     pub texels: Arc<[u32]>,
     /// Texels in a row, in `[1, 65536]`.
     pub width: u32,
@@ -95,6 +96,11 @@ pub struct Texture {
     pub wrap: [Wrap; 2],
     /// Filter.
     pub filter: Filter,
+}
+
+impl Texture {
+    /// Most words of a texture of [`TexelFormat::Float32`], 8 GiB. One of bytes may have 65536 × 65536 texels, 16 GiB.
+    pub const MAX_FLOAT_WORDS: u64 = 1 << 31;
 }
 
 /// A texture as a material uses it: the coordinates are those of a UV set, transformed.

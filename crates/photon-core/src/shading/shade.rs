@@ -341,3 +341,6 @@ pub fn unpack_alpha([_, blue_alpha]: [u32; 2]) -> f32 {
 pub fn unpack_color([red_green, blue_alpha]: [u32; 2]) -> Vec3 {
     Vec3::new((red_green & 0xFFFF) as f32, (red_green >> 16) as f32, (blue_alpha & 0xFFFF) as f32) * STEP
 }
+
+#[cfg(test)]
+mod tests;

@@ -29,6 +29,9 @@ fn check_image(image: &Texture) -> Result<(), (String, &'static str)> {
         return Err((format!("it has {width} × {height} texels"), "each side must lie between 1 and 65536"));
     }
     let needed = u64::from(width) * u64::from(height) * image.format.words() as u64;
+    if image.format.is_float() && needed > Texture::MAX_FLOAT_WORDS {
+        return Err((format!("its {width} × {height} texels of floats need more than 8 GiB"), "use a smaller image"));
+    }
     let found = image.texels.len();
     if found as u64 != needed {
         let what =

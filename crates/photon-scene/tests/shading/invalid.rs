@@ -38,6 +38,18 @@ fn images_of_the_wrong_size_are_refused() {
     }
 }
 
+/// V9: more words of floats than kernels can count are refused by the size, whatever is there.
+#[test]
+fn float_images_beyond_8_gib_are_refused() {
+    for (height, part) in [(8192, "2 words of texels, but 65536 × 8192"), (8193, "more than 8 GiB")] {
+        let error = refused(|image, _, _| {
+            (image.image.width, image.image.height) = (65_536, height);
+            image.image.format = photon_core::TexelFormat::Float32;
+        });
+        names(&error, &["texture 'tiles'", part]);
+    }
+}
+
 /// V7: texels that are not finite or negative.
 #[test]
 fn invalid_texels_are_refused() {

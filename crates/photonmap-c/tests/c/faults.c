@@ -50,6 +50,35 @@ static int32_t refuse(void *user, const float *positions, size_t vertices, const
     return 5;
 }
 
+/* Limits on memory; `scene` is NULL. */
+static void loading(PmScene *scene) {
+    PmLoadOptions options = {sizeof options, NULL, 0};
+    PmBuilder *builder = NULL;
+    const char *path = "faults-loading.obj";
+    FILE *file = fopen(path, "w");
+    TRUE(file != NULL);
+    if (file == NULL) return;
+    fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", file);
+    fclose(file);
+    OK(pm_builder_load_with(path, NULL, &builder));
+    pm_builder_free(builder);
+    OK(pm_builder_load_with(path, &options, &builder));
+    pm_builder_free(builder);
+    options.memory = 1 << 20;
+    OK(pm_builder_load_with(path, &options, &builder));
+    pm_builder_free(builder);
+    options.memory = 20;
+    EXPECT(pm_builder_load_with(path, &options, &builder), PM_STATUS_OUT_OF_MEMORY, "20 bytes");
+    TRUE(builder == NULL);
+    EXPECT(pm_scene_load_with(path, &options, &scene), PM_STATUS_OUT_OF_MEMORY, "allow more memory");
+    options.overrides = "no-such-file.toml";
+    EXPECT(pm_scene_load_with(path, &options, &scene), PM_STATUS_FILE, "no-such-file.toml");
+    options.size = 1;
+    BAD(pm_scene_load_with(path, &options, &scene), "PmLoadOptions");
+    BAD(pm_scene_load_with(NULL, NULL, &scene), "file is NULL");
+    remove(path);
+}
+
 static void scenes(void)
 {
     PmScene *scene = (PmScene *)&failures;
@@ -65,6 +94,7 @@ static void scenes(void)
     EXPECT(pm_scene_load("no-such-file.glb", NULL, &scene), PM_STATUS_FILE, "no-such-file");
     EXPECT(pm_scene_load("scene.xyz", NULL, &scene), PM_STATUS_FILE, ".gltf");
     BAD(pm_scene_load(NULL, NULL, &scene), "file is NULL");
+    loading(scene);
     BAD(pm_scene_info(NULL, &info), "scene is NULL");
     TRUE(pm_scene_report(NULL, NULL, 0) == 0);
     BAD(pm_scene_triangle_sources(NULL, NULL, NULL, 0), "scene is NULL");

@@ -151,6 +151,9 @@ fn check_texture(texture: &Texture) -> Check {
         format!("its size {width} × {height} must lie between 1 × 1 and {MAX_TEXELS} × {MAX_TEXELS}")
     })?;
     let words = u64::from(width) * u64::from(height) * texture.format.words() as u64;
+    require(texture.format.words() == 1 || words <= Texture::MAX_FLOAT_WORDS, || {
+        format!("its {width} × {height} texels of floats take up more than 8 GiB")
+    })?;
     let found = texture.texels.len();
     require(found as u64 == words, || format!("it has {found} words of texels; {width} × {height} need {words}"))?;
     let float = texture.format == crate::scene::texture::TexelFormat::Float32;

@@ -1,10 +1,11 @@
 //! Textures of a file: decoded for the scene, and their means for what the scene has no texture for.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use gltf::json::Root;
+use gltf::json::material::AlphaMode;
 use gltf::json::texture::{MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 use photon_core::{Filter, TexelFormat, Wrap};
@@ -12,6 +13,7 @@ use photon_core::{Filter, TexelFormat, Wrap};
 use super::buffers::Buffers;
 use super::fault::{Fault, label, name_or_number};
 use super::mean::Mean;
+use super::specular_glossiness::{self, SpecularGlossiness};
 use super::survey::Survey;
 use super::uri;
 use crate::builder::SceneBuilder;
@@ -36,6 +38,8 @@ pub(super) struct Textures<'a> {
     planned: BTreeMap<usize, usize>,
     /// Images that are not decoded under a limit on memory, and why.
     refused: BTreeMap<usize, ImageError>,
+    /// Images that are base colours of materials whose alpha is in use.
+    covering: BTreeSet<usize>,
     /// Set while only the uses of images are recorded.
     pub(super) survey: Option<Survey>,
 }
@@ -59,7 +63,7 @@ impl Entry {
 impl<'a> Textures<'a> {
     pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>) -> Self {
         let images = root.images.iter().map(|_| RefCell::default()).collect();
-        Self {
+        let mut textures = Self {
             root,
             buffers,
             images,
@@ -69,8 +73,12 @@ impl<'a> Textures<'a> {
             plan: Plan::default(),
             planned: BTreeMap::new(),
             refused: BTreeMap::new(),
+            covering: BTreeSet::new(),
             survey: None,
-        }
+        };
+        let used = root.materials.iter().filter(|material| has_coverage(material)).flat_map(base_colors);
+        textures.covering = used.filter_map(|texture| textures.source(root.textures.get(texture)?)).collect();
+        textures
     }
 
     pub(super) fn root(&self) -> &'a Root {
@@ -219,7 +227,12 @@ impl<'a> Textures<'a> {
     /// Adds a texture with the sampler of one of the file, and makes room for it.
     fn place(&self, texture: usize, desc: TextureDesc, builder: &mut SceneBuilder) -> Result<TextureId, Fault> {
         let (wrap, filter) = self.sampler(texture)?;
+        let weighs = desc.image.format != TexelFormat::Linear8
+            && self.source(&self.root.textures[texture]).is_some_and(|image| self.covering.contains(&image));
         let id = builder.texture(desc.wrapped(wrap).filtered(filter));
+        if weighs {
+            self.room.borrow_mut().weigh(id);
+        }
         if self.room.borrow_mut().make(builder) {
             self.images.iter().for_each(|entry| entry.borrow_mut().forget());
         }
@@ -313,7 +326,8 @@ impl<'a> Textures<'a> {
     /// Decodes an image, halved as planned; one of floats first, which are beside it, and then halved.
     fn decode(&self, index: usize, bytes: TexelFormat) -> Result<Image, String> {
         let image = &self.root.images[index];
-        let planned = self.planned.get(&index).map(|&place| Halving { times: self.plan.times(place), bytes });
+        let weighs = bytes != TexelFormat::Linear8 && self.covering.contains(&index);
+        let planned = self.planned.get(&index).map(|&place| Halving { times: self.plan.times(place), bytes, weighs });
         let has_floats = floats_of(image).is_some();
         let halving = planned.filter(|_| !has_floats);
         let decoded = match (&image.uri, image.buffer_view) {
@@ -338,6 +352,19 @@ impl<'a> Textures<'a> {
             None => format!("its image {why}"),
         })
     }
+}
+
+/// Whether parts of a surface of the material may be absent.
+fn has_coverage(material: &gltf::json::Material) -> bool {
+    !matches!(material.alpha_mode, Checked::Valid(AlphaMode::Opaque))
+}
+
+/// The textures of the base colour of a material.
+fn base_colors(material: &gltf::json::Material) -> impl Iterator<Item = usize> {
+    let standard = material.pbr_metallic_roughness.base_color_texture.as_ref().map(|info| info.index.value());
+    let others = material.extensions.as_ref().map(|all| &all.others);
+    let old = others.and_then(|all| SpecularGlossiness::read(all.get(specular_glossiness::NAME)?).diffuse_texture);
+    standard.into_iter().chain(old.map(|slot| slot.texture))
 }
 
 /// The buffer view with floats that the extras of an image refer to.

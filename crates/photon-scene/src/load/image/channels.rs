@@ -13,29 +13,38 @@ pub(super) struct Channels {
     values: [f64; 256],
     /// The same of alpha.
     alphas: [f64; 256],
+    /// Whether colours count by their alpha.
+    weighs: bool,
 }
 
 impl Channels {
-    pub(super) fn new(format: TexelFormat) -> Self {
+    /// With `weighs`, the mean colour is that of what is there (alpha coverage): texels count by their alpha, so that hidden
+    /// colours do not darken edges. Where nothing is there, all count the same.
+    pub(super) fn new(format: TexelFormat, weighs: bool) -> Self {
         let curve = if format == TexelFormat::Srgb8 { srgb_to_linear } else { |value| value };
         let values = |curve: fn(f64) -> f64| std::array::from_fn(|byte| curve(byte as f64 / 255.0));
-        Self { format, values: values(curve), alphas: values(|value| value) }
+        Self { format, values: values(curve), alphas: values(|value| value), weighs }
     }
 
     /// The means of two rows, or of one row where the number is odd.
     pub(super) fn half_row(&self, above: &[u32], below: Option<&[u32]>, texels: &mut Vec<u32>) {
         let width = above.len() / self.format.words();
         for column in (0..width).step_by(2) {
-            let mut sum = [0.0; 4];
+            let (mut sum, mut weighed) = ([0.0; 4], [0.0; 3]);
             let mut count = 0.0;
             for row in [Some(above), below].into_iter().flatten() {
                 for x in column..width.min(column + 2) {
                     let texel = self.read(row, x);
                     sum = std::array::from_fn(|channel| sum[channel] + texel[channel]);
+                    weighed = std::array::from_fn(|channel| weighed[channel] + texel[3] * texel[channel]);
                     count += 1.0;
                 }
             }
-            self.write(texels, sum.map(|part: f64| part / count));
+            let mut mean = sum.map(|part: f64| part / count);
+            if self.weighs && sum[3] > 0.0 {
+                mean = [weighed[0] / sum[3], weighed[1] / sum[3], weighed[2] / sum[3], mean[3]];
+            }
+            self.write(texels, mean);
         }
     }
 

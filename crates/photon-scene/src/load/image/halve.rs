@@ -12,6 +12,8 @@ pub(in crate::load) struct Halving {
     pub(in crate::load) times: u32,
     /// Encoding of an image of bytes.
     pub(in crate::load) bytes: TexelFormat,
+    /// Whether the mean of colours is weighted by alpha, for a base colour whose alpha is in use.
+    pub(in crate::load) weighs: bool,
 }
 
 /// A width or height that was halved `times` times, each time rounded up.
@@ -19,10 +21,10 @@ pub(in crate::load) fn halved(side: u32, times: u32) -> u32 {
     (0..times).fold(side, |side, _| side.div_ceil(2))
 }
 
-/// The image with half as many columns and rows, rounded up.
-pub(super) fn half(image: &Texture) -> Texture {
+/// The image with half as many columns and rows, rounded up; with `weighs`, means are weighted by alpha.
+pub(super) fn half(image: &Texture, weighs: bool) -> Texture {
     let (width, height) = (image.width.div_ceil(2), image.height.div_ceil(2));
-    let channels = Channels::new(image.format);
+    let channels = Channels::new(image.format, weighs);
     let words = image.format.words();
     let mut texels = Vec::with_capacity(width as usize * height as usize * words);
     for rows in image.texels.chunks(2 * image.width as usize * words) {
@@ -35,10 +37,10 @@ pub(super) fn half(image: &Texture) -> Texture {
 impl Image {
     /// The image, halved.
     pub(in crate::load) fn halve(self, halving: Option<Halving>) -> Self {
-        let Some(Halving { times, bytes }) = halving else { return self };
+        let Some(Halving { times, bytes, weighs }) = halving else { return self };
         let Self { repaired, is_rounded, .. } = self;
         (0..times).fold(self, |image, _| {
-            let Texture { width, height, texels, .. } = half(&image.texture("", bytes).image);
+            let Texture { width, height, texels, .. } = half(&image.texture("", bytes).image, weighs);
             Self { width, height, texels, is_float: image.is_float, repaired, is_rounded }
         })
     }
@@ -71,7 +73,10 @@ impl Rows {
         let small = size.map(|side| halved(side, times));
         let capacity = halving.map_or(0, |_| small[0] as usize * small[1] as usize);
         Self {
-            channels: Channels::new(halving.map_or(TexelFormat::Linear8, |halving| halving.bytes)),
+            channels: halving.map_or_else(
+                || Channels::new(TexelFormat::Linear8, false),
+                |halving| Channels::new(halving.bytes, halving.weighs),
+            ),
             stages: (0..times).map(|_| Stage::default()).collect(),
             width: size[0] as usize,
             size: small,
@@ -144,16 +149,41 @@ mod tests {
             ..TextureDesc::from_words("x", [width, 1], format, texels.into()).image
         };
         // The mean of black and white is 188 in sRGB, 128 in linear bytes; the third column is alone.
-        let srgb = half(&image(TexelFormat::Srgb8, vec![0xFFFF_FFFF, 0, 0x0102_0304], 3));
+        let srgb = half(&image(TexelFormat::Srgb8, vec![0xFFFF_FFFF, 0, 0x0102_0304], 3), false);
         assert_eq!((srgb.width, &srgb.texels[..]), (2, &[0x80BC_BCBC, 0x0102_0304][..]));
-        let linear = half(&image(TexelFormat::Linear8, vec![0xFFFF_FFFF, 0], 2));
+        let linear = half(&image(TexelFormat::Linear8, vec![0xFFFF_FFFF, 0], 2), false);
         assert_eq!(linear.texels[..], [0x8080_8080]);
-        let float = half(&image(
-            TexelFormat::Float32,
-            [1e30_f32, 0.0, 2.0, 1.0, 0.0, 0.0, 4.0, 0.0].map(f32::to_bits).to_vec(),
-            2,
-        ));
+        let float = half(
+            &image(TexelFormat::Float32, [1e30_f32, 0.0, 2.0, 1.0, 0.0, 0.0, 4.0, 0.0].map(f32::to_bits).to_vec(), 2),
+            false,
+        );
         assert_eq!(float.texels[..], [5e29_f32, 0.0, 3.0, 0.5].map(f32::to_bits));
+    }
+
+    /// With weights: of two opaque texels and a transparent one, the mean is that of the opaque ones, here of linear ½ and 1;
+    /// alpha ⅓ of white and 1 of black give ¼ of white; of what is transparent, all count.
+    #[test]
+    fn hidden_colours_do_not_count() {
+        let image = |format, texels: Vec<u32>| Texture {
+            format,
+            ..TextureDesc::from_words("x", [texels.len() as u32, 1], format, texels.into()).image
+        };
+        let black = 0x0000_0000;
+        let srgb = |texels: [u32; 2]| half(&image(TexelFormat::Srgb8, texels.to_vec()), true).texels[0];
+        assert_eq!(srgb([0xFFBC_BCBC, black]), 0x80BC_BCBC);
+        // ¼ has the code 137.
+        assert_eq!(srgb([0x55FF_FFFF, 0xFF00_0000]), 0xAA89_8989);
+        assert_eq!(srgb([0x00FF_FFFF, black]), 0x00BC_BCBC);
+        assert_eq!(srgb([0xFFFF_FFFF, 0xFF00_0000]), 0xFFBC_BCBC);
+        let texels = [0.5_f32, 0.0, 1.0, 0.25, 1.0, 1.0, 0.0, 0.75].map(f32::to_bits);
+        let float = TextureDesc::from_words("x", [2, 1], TexelFormat::Float32, texels.into()).image;
+        assert_eq!(half(&float, true).texels[..], [0.875_f32, 0.75, 0.25, 0.5].map(f32::to_bits));
+        // Twice: the weighted mean of weighted means is that of all.
+        let row: Vec<u32> = [0xFF80_0000_u32, 0x0000_FF00, 0x00FF_FFFF, 0x00FF_FFFF].to_vec();
+        let once = half(&image(TexelFormat::Linear8, row), true);
+        assert_eq!(once.texels[..], [0x8080_0000, 0x00FF_FFFF]);
+        assert_eq!(half(&once, true).texels[..], [0x4080_0000]);
+        assert_eq!(half(&once, false).texels[..], [0x40C0_8080]);
     }
 
     /// Rows that are halved as they come give the same bits as the whole image halved, for odd sizes too.
@@ -162,13 +192,13 @@ mod tests {
         for (size, times) in [([8, 8], 1), ([7, 5], 1), ([7, 5], 2), ([13, 9], 3), ([1, 6], 2), ([3, 1], 4)] {
             for bytes in [TexelFormat::Srgb8, TexelFormat::Linear8] {
                 let count = size[0] as usize * size[1] as usize;
-                let data: Vec<u8> = (0..3 * count).map(|at| (at * at * 31 % 251) as u8).collect();
+                let data: Vec<u8> = (0..4 * count).map(|at| (at * at * 31 % 251) as u8).collect();
                 let collect = |halving| {
                     let mut rows = Rows::new(size, halving);
-                    rows.append(&data, 3);
+                    rows.append(&data, 4);
                     rows.finish(size).unwrap()
                 };
-                let halving = Some(Halving { times, bytes });
+                let halving = Some(Halving { times, bytes, weighs: times == 2 });
                 let (found, expected) = (collect(halving), collect(None).halve(halving));
                 assert_eq!(found, expected, "{size:?} {times}");
                 assert_eq!([found.width, found.height], size.map(|side| halved(side, times)));
@@ -180,7 +210,7 @@ mod tests {
     #[test]
     fn missing_rows_are_counted() {
         for times in [0, 1] {
-            let mut rows = Rows::new([4, 4], Some(Halving { times, bytes: TexelFormat::Srgb8 }));
+            let mut rows = Rows::new([4, 4], Some(Halving { times, bytes: TexelFormat::Srgb8, weighs: false }));
             rows.append(&[7; 12], 1);
             assert_eq!(rows.finish([4, 4]).unwrap_err(), 12);
         }

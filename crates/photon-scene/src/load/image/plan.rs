@@ -278,6 +278,19 @@ mod tests {
         }
     }
 
+    /// V9: 64 × 4096² texels are 4 GiB; halved once they are 1 GiB, the fixed limit.
+    #[test]
+    fn large_textures_are_halved_to_the_fixed_limit() {
+        let images: Vec<Wanted> = (0..64).map(|at| image(&at.to_string(), [4096, 4096])).collect();
+        let mut report = LoadReport::default();
+        let plan = plan(&images, 1 << 40).unwrap();
+        assert_eq!((plan.times.clone(), totals(&images, &plan.times).0), (vec![1; 64], 1 << 30));
+        plan.report(&mut report);
+        let text = report.to_string();
+        assert!(text.contains("64 of 64 images of textures are reduced") && text.contains("1 GiB"), "{text}");
+        assert_eq!(text.matches("from 4096 × 4096 texels to 2048 × 2048 texels").count(), 64);
+    }
+
     #[test]
     fn what_is_reduced_is_counted_and_named() {
         let images = [image("a", [256, 256]), image("b", [32, 32])];

@@ -8,14 +8,22 @@ use super::MAX_WORDS;
 use super::halve::half;
 use crate::builder::SceneBuilder;
 use crate::report::LoadReport;
+use crate::texture::TextureId;
 
 /// The textures that were halved, by index.
 #[derive(Debug, Default)]
 pub(in crate::load) struct Room {
     halved: BTreeSet<usize>,
+    /// The base colours whose alpha is in use, by index: their means are weighted by alpha.
+    weighed: BTreeSet<usize>,
 }
 
 impl Room {
+    /// The texture is a base colour whose alpha is in use.
+    pub(in crate::load) fn weigh(&mut self, texture: TextureId) {
+        self.weighed.insert(texture.0 as usize);
+    }
+
     /// Halves the largest textures of the scene until all of them take up at most 1 GiB; to be called after each new
     /// one, so that never much more is taken. Returns whether any was halved: the caller should forget the originals.
     pub(in crate::load) fn make(&mut self, builder: &mut SceneBuilder) -> bool {
@@ -31,13 +39,16 @@ impl Room {
                 break;
             }
             halved = true;
+            let address = |image: &Texture| (image.texels.as_ptr() as usize, image.format as u32);
+            let weighed = self.weighed.iter().filter_map(|&index| builder.textures.get(index));
+            let weighed: BTreeSet<_> = weighed.map(|desc| address(&desc.image)).collect();
             // Textures that share their texels go on doing so.
             let mut halves: BTreeMap<(usize, u32), Texture> = BTreeMap::new();
             for (index, desc) in builder.textures.iter_mut().enumerate() {
                 let image = &mut desc.image;
                 if image.width.max(image.height) > largest / 2 {
-                    let key = (image.texels.as_ptr() as usize, image.format as u32);
-                    let half = halves.entry(key).or_insert_with(|| half(image));
+                    let key = address(image);
+                    let half = halves.entry(key).or_insert_with(|| half(image, weighed.contains(&key)));
                     let (texels, width, height) = (half.texels.clone(), half.width, half.height);
                     *image = Texture { texels, width, height, ..image.clone() };
                     self.halved.insert(index);
@@ -100,7 +111,39 @@ mod tests {
         let mut report = LoadReport::default();
         room.report(&builder, &mut report);
         assert!(report.to_string().contains("3 textures are reduced to at most 1 texels"), "{report}");
+        // A base colour with alpha, beside the same image without.
+        for (is_weighed, mean) in [(false, 0x8080_8080), (true, 0x80FF_FFFF)] {
+            let (mut builder, mut room) = (SceneBuilder::new(), Room::default());
+            let texture = builder.texture(TextureDesc::linear8("leaf", 2, 1, &[[255; 4], [0; 4]]));
+            if is_weighed {
+                room.weigh(texture);
+            }
+            room.make_within(&mut builder, 1);
+            assert_eq!(builder.textures[0].image.texels[..], [mean]);
+        }
         // Nothing is left to halve.
         assert!(!room.make_within(&mut builder, 0));
+    }
+
+    /// V9: 64 × 4096² texels within 1 GiB, at a scale of 1/32 and texture by texture, as a loader adds them: never more than
+    /// one more than fits, and in the end all are halved once, to the mean of black and white in linear light.
+    #[test]
+    fn many_are_halved_as_they_are_added() {
+        let most = MAX_WORDS >> 10;
+        let (mut builder, mut room) = (SceneBuilder::new(), Room::default());
+        let columns: Vec<[u8; 4]> = (0..128 * 128).map(|at| [(at % 2 * 255) as u8; 4]).collect();
+        for at in 0..64 {
+            builder.texture(TextureDesc::srgb8(at.to_string(), 128, 128, &columns));
+            assert!(words(&builder) <= most + 128 * 128);
+            room.make_within(&mut builder, most);
+        }
+        assert_eq!(words(&builder), most);
+        for desc in &builder.textures {
+            assert_eq!((desc.image.width, desc.image.height), (64, 64));
+            assert!(desc.image.texels.iter().all(|&word| word == u32::from_le_bytes([188, 188, 188, 128])));
+        }
+        let mut report = LoadReport::default();
+        room.report(&builder, &mut report);
+        assert!(report.to_string().contains("64 textures are reduced to at most 64 texels"), "{report}");
     }
 }

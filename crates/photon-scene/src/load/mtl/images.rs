@@ -66,6 +66,9 @@ impl Images {
                         report.approximated(subject, text);
                     }
                     let texture = builder.texture(image.texture(&map.file, bytes).wrapped(map.wrap()));
+                    if bytes != TexelFormat::Linear8 && self.survey.covering.contains(&path) {
+                        self.room.weigh(texture);
+                    }
                     self.make_room(builder);
                     self.added.insert(key, texture);
                     texture
@@ -129,7 +132,8 @@ impl Images {
             if let Some(why) = self.survey.refused.get(path) {
                 return Err(format!("{}: the image {why}", path.display()));
             }
-            let halving = times.map(|times| Halving { times, bytes });
+            let weighs = bytes != TexelFormat::Linear8 && self.survey.covering.contains(path);
+            let halving = times.map(|times| Halving { times, bytes, weighs });
             load_image_halved(path, halving).map_err(|error| error.to_string())
         });
         decoded.as_ref().map_err(Clone::clone)

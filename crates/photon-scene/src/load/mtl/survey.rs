@@ -33,11 +33,14 @@ pub(super) struct Survey {
     pub(super) planned: BTreeMap<PathBuf, usize>,
     /// Images that are not decoded under a limit on memory, and why.
     pub(super) refused: BTreeMap<PathBuf, ImageError>,
+    /// Images of `map_Kd` whose alpha is in use, since they are the `map_d` of the same material.
+    pub(super) covering: BTreeSet<PathBuf>,
 }
 
 /// Plans the sizes of all images if memory is limited.
 pub(super) fn plan(library: &Library, budget: &Budget) -> Result<Survey, Shortage> {
-    let Some(left) = budget.left() else { return Ok(Survey::default()) };
+    let covering = library.entries.iter().filter_map(covering).collect();
+    let Some(left) = budget.left() else { return Ok(Survey { covering, ..Survey::default() }) };
     let mut images: BTreeMap<PathBuf, Uses> = BTreeMap::new();
     for material in &library.entries {
         record(material, &mut images);
@@ -58,7 +61,13 @@ pub(super) fn plan(library: &Library, budget: &Budget) -> Result<Survey, Shortag
             [uses.encodings.len(), uses.alphas.len(), uses.combined.len()].map(|count| count as u64);
         wanted.push(Wanted { header, file, encodings, copies, made, users: uses.users });
     }
-    Ok(Survey { plan: Plan::new(wanted, 0, budget)?, planned, refused })
+    Ok(Survey { plan: Plan::new(wanted, 0, budget)?, planned, refused, covering })
+}
+
+/// The path of the image that is both the colour and the alpha of a material.
+fn covering(material: &Entry) -> Option<PathBuf> {
+    let (color, alpha) = (material.diffuse_map.as_ref()?, material.dissolve_map.as_ref()?);
+    (color.file == alpha.file).then(|| material.folder.join(&color.file))
 }
 
 fn record(material: &Entry, images: &mut BTreeMap<PathBuf, Uses>) {

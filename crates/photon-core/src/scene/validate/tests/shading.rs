@@ -87,7 +87,7 @@ type Case = (fn(&mut Shading), &'static str);
 #[test]
 fn invalid_attributes_and_textures_are_named() {
     Shading::new().check().unwrap();
-    let cases: [Case; 41] = [
+    let cases: [Case; 42] = [
         (|s| s.normals.truncate(1), "scene view: shading.normals is 1 entries for 2 triangles"),
         (|s| s.tangents.truncate(1), "scene view: shading.tangents is 1"),
         (|s| s.tangents.clear(), "material_textures entry 0: it has a normal map, but the scene has no tangents"),
@@ -157,6 +157,13 @@ fn invalid_attributes_and_textures_are_named() {
         (|s| s.uses[0].texture_index = 1, "texture use 0: texture 1 is out of range"),
         (|s| s.uses[0].transform[1][2] = f32::INFINITY, "texture use 0: its transform"),
         (|s| s.textures[0].width = 0, "texture 0: its size 0 × 2"),
+        (
+            |s| {
+                s.textures[0].format = TexelFormat::Float32;
+                (s.textures[0].width, s.textures[0].height) = (65_536, 8193);
+            },
+            "texture 0: its 65536 × 8193 texels of floats take up more than 8 GiB",
+        ),
         (|s| s.textures[0].height = 4, "texture 0: it has 6 words of texels; 3 × 4 need 12"),
         (
             |s| {

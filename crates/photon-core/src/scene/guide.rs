@@ -22,7 +22,7 @@ pub(crate) fn table(starts: &[u32]) -> Vec<u16> {
 /// As [`super::pick_light`], by the guide table of `starts`: a search of one or two steps, in the mean.
 #[inline]
 pub(crate) fn pick(starts: &[u32], guide: &[u16], random: u32) -> usize {
-    let part = (u64::from(random) * guide.len() as u64 >> 32) as usize;
+    let part = ((u64::from(random) * guide.len() as u64) >> 32) as usize;
     let low = usize::from(guide[part]);
     let end = guide.get(part + 1).map_or(starts.len(), |&next| usize::from(next) + 1);
     (low + starts[low..end].partition_point(|&start| start <= random)).saturating_sub(1)

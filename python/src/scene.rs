@@ -6,7 +6,8 @@ use std::sync::Arc;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
     CameraDesc, EnvironmentDesc, LightDesc, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, Scene,
-    SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder,
+    SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names,
+    load_builder,
 };
 use pyo3::prelude::*;
 
@@ -36,7 +37,12 @@ type SurfaceNumbers = (String, [f64; 3], [f64; 3], f64, f64, f64);
 impl RawBuilder {
     #[new]
     fn new() -> Self {
-        Self { builder: SceneBuilder::new(), report: LoadReport::default(), materials: Vec::new(), textures: Vec::new() }
+        Self {
+            builder: SceneBuilder::new(),
+            report: LoadReport::default(),
+            materials: Vec::new(),
+            textures: Vec::new(),
+        }
     }
 
     /// A built-in scene.

@@ -13,7 +13,11 @@ pub(crate) type TextureUses = (Vec<(String, usize, u32)>, f64, Option<f64>);
 fn size(name: &str, texels: usize, width: u32) -> Result<[u32; 2], Failure> {
     let wrong = || Failure::input(format!("{name}: {texels} texels do not fill rows of {width}"));
     let height = u32::try_from(texels).ok().and_then(|texels| texels.checked_div(width)).ok_or_else(wrong)?;
-    if height == 0 || u64::from(height) * u64::from(width) != texels as u64 { Err(wrong()) } else { Ok([width, height]) }
+    if height == 0 || u64::from(height) * u64::from(width) != texels as u64 {
+        Err(wrong())
+    } else {
+        Ok([width, height])
+    }
 }
 
 /// An image of bytes, four for each texel.

@@ -16,7 +16,7 @@ const EDGE_OFFSET: f64 = 4.0 / (3.0 * std::f64::consts::PI);
 /// Calibrated in the fields of the test suite, at edges between 0 and 0.9 radii away.
 const EDGE_MARGIN: f64 = 1.15;
 
-/// Distribution of the photons of one map around a pixel's queries: sums of [`ErrorMoments`] with the
+/// Distribution of the photons of one map around a pixel's queries: sums of [`crate::ErrorMoments`] with the
 /// weights of the queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
 // Exhaustive: a backend must fill in every sum.
@@ -35,7 +35,7 @@ pub struct PhotonMoments {
 
 impl PhotonMoments {
     /// A photon farther from the query's plane than this fraction of the wide radius counts as lying on another
-    /// surface: [`ErrorMoments::stray`].
+    /// surface: [`crate::ErrorMoments::stray`].
     pub const OFF_PLANE: f32 = 0.25;
 
     pub(super) fn add(&mut self, other: &Self) {

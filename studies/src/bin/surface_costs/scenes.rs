@@ -48,7 +48,7 @@ pub(crate) fn pairs(photons: u32) -> Vec<Pair> {
             [beside(true), beside(false)],
         ),
         pair("environment / directional light: shadow rays", &[Stage::Direct], 1.3, [lit_by(true), lit_by(false)]),
-        pair("100,000 lights / 16: shadow rays", &[Stage::Direct], 2.0, [lamps(316), lamps(4)]),
+        pair("100,000 lights / 16: shadow rays", &[Stage::Direct], 2.0, [point_lights(316), point_lights(4)]),
     ]
 }
 
@@ -193,7 +193,7 @@ fn lit_by(environment: bool) -> SceneBuilder {
 }
 
 /// A floor of 8 by 8 under a square grid of point lights, 0.3 above it.
-fn lamps(side: u32) -> SceneBuilder {
+fn point_lights(side: u32) -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let grey = scene.material(MaterialDesc::lambert("floor", [0.5; 3]));
     floor(&mut scene, "floor", 0.0, 4.0, grey);
@@ -201,7 +201,7 @@ fn lamps(side: u32) -> SceneBuilder {
     for (row, column) in (0..side).flat_map(|row| (0..side).map(move |column| (row, column))) {
         let position = [place(column), 0.3, place(row)];
         let intensity = [1.0 / f64::from(side * side); 3];
-        scene.light("lamp", LightDesc::Point { position, intensity });
+        scene.light("light", LightDesc::Point { position, intensity });
     }
     look_at_point(&mut scene, [0.0; 3], [0.0, 1.0, 0.0], 0.25, 3.6);
     scene

@@ -1,7 +1,8 @@
 //! The film: the image being accumulated.
 
 use photon_core::{
-    Error, ErrorMoments, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind, Query, Result, SceneView,
+    Display, DisplayImage, Error, ErrorMoments, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind,
+    Query, Result, SceneView,
 };
 use rayon::prelude::*;
 
@@ -159,5 +160,10 @@ impl FilmBackend for Cpu {
 
     fn read_film(&mut self, film: &CpuFilm) -> Result<Film> {
         Ok(film.film.clone())
+    }
+
+    fn read_display(&mut self, film: &mut CpuFilm, display: &Display, clamp: bool) -> Result<DisplayImage> {
+        display.validate()?;
+        Ok(film.film.display_clamped(display, clamp))
     }
 }

@@ -14,6 +14,7 @@ use crate::shaders;
 use crate::vulkan::Vulkan;
 
 mod backend;
+mod display;
 pub(crate) mod errors;
 mod read_back;
 #[cfg(test)]
@@ -35,6 +36,8 @@ pub struct VulkanFilm {
     /// Scratch buffer: one vector per query, for stages that compute values per query.
     values: Option<Memory>,
     errors: Option<errors::Errors>,
+    /// Pixels as they are shown, a word each; allocated when they are first asked for.
+    shown: Option<Memory>,
 }
 
 /// One layer of the film.
@@ -96,7 +99,18 @@ impl VulkanFilm {
         let first_pass = zeroed(on, pixels * FIRST_PASS)?;
         let first_sum = zeroed(on, pixels * 4 * FIRST_PLANES as u64)?;
         let layers = [const { None }; 4];
-        let film = Self { width, height, units, passes: 0, layers, first_pass, first_sum, values: None, errors: None };
+        let film = Self {
+            width,
+            height,
+            units,
+            passes: 0,
+            layers,
+            first_pass,
+            first_sum,
+            values: None,
+            errors: None,
+            shown: None,
+        };
         film.note(on);
         Ok(film)
     }
@@ -164,7 +178,7 @@ impl VulkanFilm {
 
     fn note(&self, on: &mut Vulkan) {
         let planes = self.layers.iter().flatten().map(|plane| plane.pass.bytes() + plane.sum.bytes());
-        let scratch = self.values.as_ref().map_or(0, Memory::bytes);
+        let scratch: u64 = [&self.values, &self.shown].into_iter().flatten().map(Memory::bytes).sum();
         on.note_memory("film", planes.sum::<u64>() + scratch + self.first_pass.bytes() + self.first_sum.bytes());
         if let Some(errors) = &self.errors {
             on.note_memory("film: errors", errors.bytes());

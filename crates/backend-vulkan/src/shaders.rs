@@ -11,6 +11,9 @@ pub(crate) static EXAMPLE_PHOTONS: Module =
 pub(crate) static FILM_ACCUMULATE: Module =
     Module { name: "film_accumulate", bytes: include_bytes!("../spirv/film_accumulate.spv") };
 
+pub(crate) static FILM_DISPLAY: Module =
+    Module { name: "film_display", bytes: include_bytes!("../spirv/film_display.spv") };
+
 pub(crate) static FILM_END: Module = Module { name: "film_end", bytes: include_bytes!("../spirv/film_end.spv") };
 
 pub(crate) static FILM_END_ERRORS: Module =
@@ -234,10 +237,11 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 81] = [
+pub(crate) static ALL: [&Module; 82] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
+    &FILM_DISPLAY,
     &FILM_END,
     &FILM_END_ERRORS,
     &FILM_ERRORS,

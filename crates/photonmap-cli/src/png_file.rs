@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use photon_core::{Film, parallel};
+use photon_core::{DisplayImage, Film, parallel};
 
 use crate::atomic_write;
 use crate::fault::Fault;
@@ -71,6 +71,20 @@ pub fn encode(to: impl Write, picture: &Picture, curve: ToneMap, exposure: f32) 
 /// [`Fault::Failure`] if the file cannot be written.
 pub fn write_bytes(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), Fault> {
     atomic_write::write(path, |file| encode_colour(file, (width, height), png::ColorType::Rgb, bytes))
+}
+
+/// Writes a picture that is shown already, with its opacity if the background is `transparent`. The file is written
+/// atomically.
+///
+/// # Errors
+/// [`Fault::Failure`] if the file cannot be written.
+pub fn write_image(path: &Path, image: &DisplayImage, transparent: bool) -> Result<(), Fault> {
+    let (bytes, color): (Vec<u8>, _) = if transparent {
+        (image.pixels.as_flattened().to_vec(), png::ColorType::Rgba)
+    } else {
+        (image.pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect(), png::ColorType::Rgb)
+    };
+    atomic_write::write(path, |file| encode_colour(file, (image.width, image.height), color, &bytes))
 }
 
 fn encode_colour(

@@ -8,7 +8,7 @@ mod tev;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use photon_core::{Event, Film, Observer};
+use photon_core::{Display, DisplayImage, Event, Film, Observer};
 
 use crate::args::WatchArgs;
 use crate::command::picture::Look;
@@ -20,13 +20,33 @@ const INTERVAL: Duration = Duration::from_secs(5);
 /// At most this share of the time is spent on showing: one in twenty.
 const SHARE: u32 = 20;
 
-/// Shows films.
+/// Shows films, or what a screen shows of them.
 trait Sink: Send {
+    /// How the pictures for [`Sink::show_image`] are made; `None` if a whole film is needed.
+    fn display(&self) -> Option<Display> {
+        None
+    }
+
     /// Shows a film. Returns text for the terminal, if any.
     ///
     /// # Errors
     /// Why it cannot be shown; it is not asked again.
     fn show(&mut self, film: &Film) -> Result<Option<String>, String>;
+
+    /// The same with a picture that was made as [`Sink::display`] says.
+    ///
+    /// # Errors
+    /// Likewise.
+    fn show_image(&mut self, _image: &DisplayImage) -> Result<Option<String>, String> {
+        Ok(None)
+    }
+}
+
+/// What there is to show.
+#[derive(Clone, Copy)]
+enum View<'a> {
+    Film(&'a Film),
+    Image(&'a DisplayImage),
 }
 
 /// Shows the film of a render from time to time.
@@ -58,10 +78,14 @@ impl Watch {
         Ok(Self { sinks, last: None })
     }
 
-    /// Shows a film. `say` prints to the terminal.
-    pub(crate) fn show(&mut self, film: &Film, say: &mut dyn FnMut(&str)) {
+    /// Shows a film or a picture. `say` prints to the terminal.
+    fn show(&mut self, view: View<'_>, say: &mut dyn FnMut(&str)) {
         let begun = Instant::now();
-        self.sinks.retain_mut(|sink| match sink.show(film) {
+        let shown = |sink: &mut Box<dyn Sink>| match view {
+            View::Film(film) => sink.show(film),
+            View::Image(image) => sink.show_image(image),
+        };
+        self.sinks.retain_mut(|sink| match shown(sink) {
             Ok(text) => {
                 if let Some(text) = text {
                     say(&text);
@@ -81,7 +105,14 @@ impl Watch {
     /// Shows the finished film and closes everything.
     #[expect(clippy::print_stderr, reason = "warnings")]
     pub(crate) fn finish(mut self, film: &Film) {
-        self.show(film, &mut |text| eprintln!("{text}"));
+        self.show(View::Film(film), &mut |text| eprintln!("{text}"));
+    }
+
+    /// How to make a picture that all can show; `None` if one needs a film, or they need different pictures.
+    fn display(&self) -> Option<Display> {
+        let mut displays = self.sinks.iter().map(|sink| sink.display());
+        let first = displays.next()??;
+        displays.all(|display| display == Some(first)).then_some(first)
     }
 
     fn is_due(&mut self, passes: u32) -> bool {
@@ -102,7 +133,7 @@ fn is_due(passes: u32, last: Option<(Duration, Duration)>) -> bool {
 /// An observer that also shows films.
 pub(crate) struct Watching<'a, F> {
     pub(crate) watch: &'a mut Watch,
-    /// Receives all events, films included.
+    /// Receives all events, films and pictures included.
     pub(crate) inner: F,
     pub(crate) say: &'a mut dyn FnMut(&str),
 }
@@ -110,13 +141,20 @@ pub(crate) struct Watching<'a, F> {
 impl<F: FnMut(&Event<'_>) -> ControlFlow<()>> Observer for Watching<'_, F> {
     fn on_event(&mut self, event: &Event<'_>) -> ControlFlow<()> {
         if let Event::Film(film) = event {
-            self.watch.show(film, self.say);
+            self.watch.show(View::Film(film), self.say);
+        }
+        if let Event::Display(image) = event {
+            self.watch.show(View::Image(image), self.say);
         }
         (self.inner)(event)
     }
 
     fn wants_film(&mut self, passes: u32) -> bool {
-        self.watch.is_due(passes)
+        self.watch.display().is_none() && self.watch.is_due(passes)
+    }
+
+    fn wants_display(&mut self, passes: u32) -> Option<Display> {
+        self.watch.display().filter(|_| self.watch.is_due(passes))
     }
 }
 
@@ -140,6 +178,28 @@ mod tests {
     }
 
     #[test]
+    fn a_picture_is_enough_where_all_show_the_same() {
+        struct Shows(Option<Display>);
+        impl Sink for Shows {
+            fn display(&self) -> Option<Display> {
+                self.0
+            }
+            fn show(&mut self, _film: &Film) -> Result<Option<String>, String> {
+                Ok(None)
+            }
+        }
+        let watch = |displays: &[Option<Display>]| {
+            let sinks = displays.iter().map(|&display| Box::new(Shows(display)) as Box<dyn Sink>).collect();
+            Watch { sinks, last: None }.display()
+        };
+        let (plain, bright) = (Display::default(), Display { exposure: 1.0, ..Display::default() });
+        assert_eq!(watch(&[]), None);
+        assert_eq!(watch(&[Some(bright), Some(bright)]), Some(bright));
+        assert_eq!(watch(&[Some(bright), Some(plain)]), None);
+        assert_eq!(watch(&[Some(plain), None]), None);
+    }
+
+    #[test]
     fn a_failure_is_reported_once() {
         struct Fails;
         impl Sink for Fails {
@@ -151,7 +211,7 @@ mod tests {
         let mut watch = Watch { sinks: vec![Box::new(Fails)], last: None };
         let mut said = Vec::new();
         for _ in 0..2 {
-            watch.show(&film, &mut |text| said.push(text.to_owned()));
+            watch.show(View::Film(&film), &mut |text| said.push(text.to_owned()));
         }
         assert_eq!(said, ["warning: the screen is gone; rendering goes on without it"]);
     }

@@ -1,6 +1,8 @@
 //! The film methods that the backend trait requires.
 
-use photon_core::{ErrorMoments, Estimate, Film, FilmBackend, Layer, MapKind, Query, Result, SceneView};
+use photon_core::{
+    Display, DisplayImage, ErrorMoments, Estimate, Film, FilmBackend, Layer, MapKind, Query, Result, SceneView,
+};
 
 use super::VulkanFilm;
 use crate::device::buffer::VulkanBuffer;
@@ -54,5 +56,9 @@ impl FilmBackend for Vulkan {
 
     fn read_film(&mut self, film: &VulkanFilm) -> Result<Film> {
         super::read(self, film)
+    }
+
+    fn read_display(&mut self, film: &mut VulkanFilm, display: &Display, clamp: bool) -> Result<DisplayImage> {
+        super::display::read(self, film, display, clamp)
     }
 }

@@ -1,9 +1,9 @@
 //! The film compared with sums in f64.
 
 use photon_core::random::{philox4x32, unit_f32};
-use photon_core::{Backend, Estimate, Film, Layer, Query, Units};
+use photon_core::{Backend, Display, DisplayImage, Error, Estimate, Film, FilmBackend, Layer, Query, ToneMap, Units};
 
-use super::{VulkanFilm, abandon_pass, accumulate, accumulate_values, end_pass, read};
+use super::{FIRST_HITS, VulkanFilm, abandon_pass, accumulate, accumulate_values, end_pass, read};
 use crate::Vulkan;
 
 const WIDTH: u32 = 19;
@@ -125,4 +125,53 @@ fn estimates_fold_and_abandoned_passes_vanish() {
     let mut empty = read(&mut on, &film).unwrap();
     empty.passes = 1;
     assert_eq!(empty, once);
+}
+
+/// The picture as it is shown against the one made of the film, for each curve: bytes differ by 1 at most, since powers and
+/// logarithms of devices have errors of some ulps.
+#[test]
+fn the_shown_picture_is_that_of_the_film() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    let units = Units { power: 3.0, ..Units::default() };
+    let mut film = VulkanFilm::new(&mut on, WIDTH, HEIGHT, units).unwrap();
+    let queries = queries();
+    let there = on.upload("queries", &queries).unwrap();
+    for (pass, layer) in [(0, Layer::Direct), (1, Layer::Indirect), (2, Layer::Direct)] {
+        let mut values: Vec<[f32; 3]> = (0..queries.len() as u32).map(|i| number([i, pass, 9, 9])).collect();
+        values[5] = [f32::NAN, 1e30, 0.5];
+        values[9] = [f32::INFINITY, -1.0, 0.0];
+        film.values_address(&mut on, there.capacity()).unwrap();
+        on.write(film.values.as_ref().unwrap(), 0, bytemuck::cast_slice(&values)).unwrap();
+        accumulate_values(&mut on, &mut film, layer, &there).unwrap();
+        end_pass(&mut on, &mut film).unwrap();
+    }
+    // Some pixels were hit in some of the passes.
+    let hits: Vec<u32> = (0..WIDTH * HEIGHT).map(|pixel| pixel % 4).collect();
+    let plane = u64::from(FIRST_HITS) * u64::from(WIDTH * HEIGHT) * 4;
+    on.write(&film.first_sum, plane, bytemuck::cast_slice(&hits)).unwrap();
+    let picture = read(&mut on, &film).unwrap();
+    assert!(film.shown.is_none());
+    let furthest = |a: &DisplayImage, b: &DisplayImage| {
+        assert_eq!((a.width, a.height, a.passes), (b.width, b.height, b.passes));
+        let bytes = a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
+        bytes.map(|(&a, &b)| a.abs_diff(b)).max().unwrap()
+    };
+    for tone_map in ToneMap::ALL {
+        for (exposure, transparent, clamp) in
+            [(0.0, false, false), (-3.5, true, false), (2.0, false, true), (-0.5, true, true), (-140.0, false, false)]
+        {
+            let display = Display { exposure, tone_map, transparent };
+            let there = on.read_display(&mut film, &display, clamp).unwrap();
+            let here = picture.display_clamped(&display, clamp);
+            assert!(furthest(&there, &here) <= 1, "{display:?} {clamp}");
+            // A quarter of a stop would be seen.
+            let other = picture.display_clamped(&Display { exposure: exposure + 0.25, ..display }, clamp);
+            assert!(exposure < -100.0 || furthest(&there, &other) > 1, "{display:?} {clamp}");
+        }
+    }
+    let nonsense = Display { exposure: f32::NAN, ..Display::default() };
+    assert!(matches!(
+        on.read_display(&mut film, &nonsense, false),
+        Err(Error::InvalidSetting { name: "exposure", .. })
+    ));
 }

@@ -3,6 +3,7 @@
 use super::Backend;
 use crate::backend::stages::no_errors;
 use crate::error::Result;
+use crate::film::display::{Display, DisplayImage};
 use crate::film::{Film, Layer};
 use crate::requirements::map_kind::MapKind;
 use crate::scene::SceneView;
@@ -83,4 +84,14 @@ pub trait FilmBackend: Backend {
     /// # Errors
     /// Deferred errors surface here.
     fn read_film(&mut self, film: &Self::Film) -> Result<Film>;
+
+    /// Reads back the picture so far as it is shown; with `clamp`, radiance is clamped to `[0, 1]` before the exposure.
+    /// Blocks. By default made of the whole film.
+    ///
+    /// # Errors
+    /// Those of [`Display::validate`]; deferred errors surface here.
+    fn read_display(&mut self, film: &mut Self::Film, display: &Display, clamp: bool) -> Result<DisplayImage> {
+        display.validate()?;
+        Ok(self.read_film(film)?.display_clamped(display, clamp))
+    }
 }

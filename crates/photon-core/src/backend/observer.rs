@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use crate::backend::StageTimings;
 use crate::backend::tally::Tally;
 use crate::film::Film;
+use crate::film::display::{Display, DisplayImage};
 use crate::film::forecast::Forecast;
 use crate::requirements::map_kind::PerMap;
 
@@ -27,6 +28,8 @@ pub enum Event<'a> {
     Forecast(&'a Forecast),
     /// The film so far, after a pass for which [`Observer::wants_film`] returned true.
     Film(&'a Film),
+    /// The picture so far, after a pass for which [`Observer::wants_display`] returned how to show it.
+    Display(&'a DisplayImage),
     /// A warning for the user.
     Warning(&'a str),
 }
@@ -41,10 +44,19 @@ pub trait Observer {
     fn wants_film(&mut self, _passes: u32) -> bool {
         false
     }
+
+    /// How to show the picture as [`Event::Display`] now that it has this number of passes, or `None`. Asked before
+    /// [`Observer::wants_film`]. Devices copy four bytes per pixel for it instead of their sums. By default `None`.
+    fn wants_display(&mut self, _passes: u32) -> Option<Display> {
+        None
+    }
 }
 
-/// Asks the observer whether to continue, and shows it a film if it wants one.
+/// Asks the observer whether to continue, and shows it the picture or the film if it wants one.
 pub(crate) fn show(film: &Film, observer: &mut dyn Observer) -> ControlFlow<()> {
+    if let Some(display) = observer.wants_display(film.passes) {
+        observer.on_event(&Event::Display(&film.display(&display)))?;
+    }
     if observer.wants_film(film.passes) { observer.on_event(&Event::Film(film)) } else { ControlFlow::Continue(()) }
 }
 

@@ -1,8 +1,10 @@
 //! The film on the host: sums in f64, which can be merged.
 
 pub(crate) mod confidence;
+pub(crate) mod display;
 pub(crate) mod forecast;
 pub(crate) mod pass_set;
+pub(crate) mod tone_map;
 
 use crate::error::{Error, Result};
 use crate::film::confidence::ErrorPixel;
@@ -77,6 +79,15 @@ impl FilmPixel {
         self.square += other.square;
         self.depth += other.depth;
         self.hits += other.hits;
+    }
+
+    /// Radiance with all layers, each rounded to f32 after multiplication by `factor`, in their order.
+    fn radiance(&self, factor: f64, clamp: bool) -> [f32; 3] {
+        let mut sum = [0.0_f32; 3];
+        for layer in &self.layers {
+            (0..3).for_each(|c| sum[c] += (layer[c] * factor) as f32);
+        }
+        if clamp { sum.map(|value| value.clamp(0.0, 1.0)) } else { sum }
     }
 }
 
@@ -179,13 +190,7 @@ impl Film {
     #[must_use]
     pub fn beauty(&self) -> Vec<[f32; 3]> {
         let factor = self.units.radiance_to_user() / f64::from(self.passes.max(1));
-        self.each(|p| {
-            let mut sum = [0.0_f32; 3];
-            for layer in &p.layers {
-                (0..3).for_each(|c| sum[c] += (layer[c] * factor) as f32);
-            }
-            if self.clamp { sum.map(|value| value.clamp(0.0, 1.0)) } else { sum }
-        })
+        self.each(|p| p.radiance(factor, self.clamp))
     }
 
     /// A value of each pixel, by all cores.

@@ -14,6 +14,7 @@ use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::film::confidence::ErrorPixel;
+use crate::film::display::{Display, DisplayImage};
 use crate::film::forecast::ErrorModel;
 use crate::film::pass_set::PassSet;
 use crate::pipeline::render::{Facts, PassEnd, Render};
@@ -335,6 +336,13 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 }
 
+impl<B: TransportBackend> Pipeline<B> {
+    /// Whether radiance is clamped to `[0, 1]` in pictures.
+    fn clamps(&self) -> bool {
+        matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp)
+    }
+}
+
 impl<B: TransportBackend> Render for Pipeline<B> {
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
         if self.state == State::RestartFailed {
@@ -356,9 +364,14 @@ impl<B: TransportBackend> Render for Pipeline<B> {
 
     fn film(&mut self) -> Result<Film> {
         let mut film = self.on.read_film(&self.film)?;
-        film.clamp = matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp);
+        film.clamp = self.clamps();
         (film.contains, film.cut) = (self.contains.clone(), self.cut);
         Ok(film)
+    }
+
+    fn display(&mut self, display: &Display) -> Result<DisplayImage> {
+        let clamp = self.clamps();
+        self.on.read_display(&mut self.film, display, clamp)
     }
 
     fn take(&mut self) -> Result<Film> {

@@ -174,7 +174,7 @@ fn work(renderer: &mut dyn Render, queue: &Queue, sender: &Sender<Message>) {
             Event::PassDone(report) => Some(Message::PassDone(Box::new(report.clone()))),
             Event::Warning(text) => Some(Message::Warning(text.to_owned())),
             // There are none within blocks.
-            Event::Forecast(_) | Event::Film(_) => None,
+            Event::Forecast(_) | Event::Film(_) | Event::Display(_) => None,
         };
         // The receiver is dropped last.
         if let Some(message) = message {

@@ -9,6 +9,7 @@ use crate::backend::observer::{Event, Observer, PassReport};
 use crate::backend::tally::Tally;
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::film::display::{Display, DisplayImage};
 use crate::film::forecast::{ErrorModel, Forecast};
 use crate::pipeline::error_target::ErrorTarget;
 use crate::requirements::Requirements;
@@ -28,6 +29,16 @@ pub trait Render: Send {
     /// # Errors
     /// Errors of the backend.
     fn film(&mut self) -> Result<Film>;
+
+    /// Returns the picture so far as it is shown: four bytes per pixel, which devices compute themselves instead of copying
+    /// their sums. By default made of [`Render::film`].
+    ///
+    /// # Errors
+    /// Those of [`Display::validate`]; errors of the backend.
+    fn display(&mut self, display: &Display) -> Result<DisplayImage> {
+        display.validate()?;
+        Ok(self.film()?.display(display))
+    }
 
     /// Returns the film and starts an empty one: the sums of the passes since the last call. Sums of such films on the
     /// host, in order, do not depend on how the passes are distributed over calls, renderers and machines: see
@@ -190,7 +201,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
             outcome.cancelled = outcome.passes < plan.passes();
             break;
         }
-        if observer.wants_film(outcome.passes) && observer.on_event(&Event::Film(&renderer.film()?)).is_break() {
+        if shown(renderer, outcome.passes, observer)?.is_break() {
             outcome.cancelled = outcome.passes < plan.passes();
             break;
         }
@@ -221,6 +232,19 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
         outcome.reached = look(renderer, &plan, &outcome, &clock)?;
     }
     Ok(outcome)
+}
+
+/// Shows the observer what it wants to see.
+fn shown(renderer: &mut dyn Render, passes: u32, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
+    if let Some(display) = observer.wants_display(passes)
+        && observer.on_event(&Event::Display(&renderer.display(&display)?)).is_break()
+    {
+        return Ok(ControlFlow::Break(()));
+    }
+    if observer.wants_film(passes) {
+        return Ok(observer.on_event(&Event::Film(&renderer.film()?)));
+    }
+    Ok(ControlFlow::Continue(()))
 }
 
 /// Whether to continue although no pixel has an error estimate.

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use photon_core::Film;
+use photon_core::{Display, Film};
 
 use crate::denoise::Denoiser;
 use crate::exposure::{self, Exposure};
@@ -42,6 +42,18 @@ pub(crate) struct Look {
     pub(crate) exposure: Exposure,
     /// Tone curve of a PNG.
     pub(crate) tonemap: ToneMap,
+}
+
+impl Look {
+    /// The same for pictures that devices make; `None` if the exposure is derived from the picture.
+    pub(crate) fn display(self) -> Option<Display> {
+        match self.exposure {
+            Exposure::Stops(exposure) => {
+                Some(Display { exposure, tone_map: self.tonemap.into(), transparent: self.transparent })
+            }
+            Exposure::Auto => None,
+        }
+    }
 }
 
 /// Reads the film and writes the pictures.
@@ -118,7 +130,7 @@ pub(crate) fn check_name(path: &Path) -> Result<(), Fault> {
 }
 
 /// Whether a name is that of an EXR.
-pub(super) fn is_exr(path: &Path) -> bool {
+pub(crate) fn is_exr(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
 }
 

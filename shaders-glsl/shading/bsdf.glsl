@@ -25,11 +25,18 @@ struct Bsdf {
 // Whether a material of this kind transmits light.
 bool kind_transmits(uint kind) { return GLASS && (kind == MATERIAL_DIELECTRIC || kind == MATERIAL_THIN); }
 
+// The reflectance at normal incidence rises to 1 at grazing angles, for metals.
+vec3 mirror_reflectance(vec3 normal_incidence, float metallic, float cosine) {
+    precise vec3 reflectance = normal_incidence + (1.0 - normal_incidence) * (metallic * schlick_rise(cosine));
+    return reflectance;
+}
+
 Bsdf bsdf_new(Material material, float cosine, Interface sides) {
     Bsdf bsdf = Bsdf(MATERIAL_LAMBERT, material.albedo, sides.eta, 0.0, 0.0, sides.is_active);
     if (MIRRORS && material.kind == MATERIAL_MIRROR) {
         bsdf.kind = MATERIAL_MIRROR;
         bsdf.reflectance = 1.0;
+        bsdf.albedo = mirror_reflectance(material.albedo, material.metallic, cosine);
     } else if (kind_transmits(material.kind)) {
         Fresnel split = fresnel(cosine, sides.eta);
         bsdf.kind = material.kind;

@@ -31,6 +31,14 @@ float sheet_reflectance(float single) {
     return both;
 }
 
+// (1 - cosine)^5, by which the reflectance of a metal rises to 1.
+float schlick_rise(float cosine) {
+    float across = 1.0 - clamp(cosine, 0.0, 1.0);
+    precise float square = across * across;
+    precise float rise = square * square * across;
+    return rise;
+}
+
 // The mirror direction of `direction` about `normal`; both unit vectors.
 vec3 bsdf_reflect(vec3 direction, vec3 normal) {
     precise vec3 mirrored = direction - normal * (2.0 * dot3(direction, normal));

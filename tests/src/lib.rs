@@ -163,7 +163,8 @@ macro_rules! whole_suite {
             }
             smooth_metals::{
                 g15_a_narrow_metal_is_a_mirror, v1_light_reflected_around_the_threshold,
-                v1_seen_around_the_threshold, v1_furnace_around_the_threshold, v1_invalid_roughness,
+                v1_seen_around_the_threshold, v1_furnace_around_the_threshold,
+                v1_metals_brighten_towards_grazing, v1_invalid_roughness,
             }
             tangents::{ v4_tangents_without_a_frame }
             gloss_behind_glass::{ plastic_behind_panes }

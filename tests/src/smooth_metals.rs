@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 
 use photon_core::{CausticPhotons, Direct, Filter, Indirect, Layer, MapKind, Settings};
 use photon_scene::{
-    CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc,
-    VertexAttributes, shapes,
+    CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Sun, TextureDesc,
+    TextureRef, TexturesDesc, VertexAttributes, shapes,
 };
 
 use crate::closed_room;
@@ -134,6 +134,57 @@ pub fn v1_furnace_around_the_threshold<T: TestBackend>() {
     let squares = [(0.4, 0.6, 9.99e-4), (-0.4, 0.6, 1.001e-3), (-0.7, 0.5, 0.0)];
     let squares = squares.map(|(y, half, alpha)| (y, half, metal(alpha)));
     closed_room::assert_unchanged::<T>(squares, ([1.0, 0.0, 0.0], 0.8), 0.0);
+}
+
+/// Metals of reflectance 0.5 at normal incidence, of widths on both sides of the threshold.
+fn grey_metals() -> [(&'static str, MaterialDesc); 3] {
+    [("0", 0.0), ("9.99e-4", 9.99e-4), ("1.001e-3", 1.001e-3_f64)]
+        .map(|(name, alpha)| (name, MaterialDesc::metal("grey", [0.5; 3], alpha.sqrt())))
+}
+
+/// Cosine of the grazing directions below, and the reflectance there: `F = F0 + (1 − F0)(1 − cos θ)⁵` (Schlick 1994).
+const GRAZING: f64 = 0.2;
+const GRAZING_REFLECTANCE: f64 = 0.5 + 0.5 * 0.327_68;
+
+/// V1: near grazing, metals on both sides of the threshold reflect an even sky and the sun alike, to a camera and as photons;
+/// perfect mirrors reflect their reflectance.
+pub fn v1_metals_brighten_towards_grazing<T: TestBackend>() {
+    let along = (1.0 - GRAZING * GRAZING).sqrt();
+    let plate = [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]];
+    let mirror = ("a mirror", MaterialDesc::mirror("grey", [0.5; 3]));
+    let cases = grey_metals().map(|metal| (metal, GRAZING_REFLECTANCE)).into_iter().chain([(mirror, 0.5)]);
+    for ((name, material), reflectance) in cases {
+        let mut builder = SceneBuilder::new();
+        let grey = builder.material(material.clone());
+        builder.quad("plate", plate, grey);
+        builder.environment_from(&EnvironmentDesc::constant([2.0; 3])).unwrap();
+        let projection = Projection::Orthographic { half_height: 0.02 };
+        builder.camera(
+            "low",
+            CameraDesc::new([-along, GRAZING, 0.0], [along, -GRAZING, 0.0], [0.0, 1.0, 0.0], projection),
+        );
+        let seen = per_pass::<T>(&builder.build().unwrap(), &direct_settings(Direct::Nee, 0.1), 16, 16);
+        // The tables of gloss have errors of at most 0.0025.
+        let (found, error) = (moments(&seen).0 / 2.0, standard_error(&seen) / 2.0);
+        assert_agrees(name, found, reflectance, error, 2.5e-3);
+        assert!(!agrees(found, reflectance + 0.1, error, 2.5e-3));
+
+        let mut builder = SceneBuilder::new();
+        let grey = builder.material(material);
+        builder.quad("plate", plate, grey);
+        let white = builder.material(MaterialDesc::lambert("white", [1.0; 3]));
+        // Faces −x.
+        builder.quad("wall", [[1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [1.0, 0.4, 1.0], [1.0, 0.4, -1.0]], white);
+        builder.sun(Sun::new([along, -GRAZING, 0.0], [1.0; 3]));
+        look_at_point(&mut builder, [1.0, 0.1, 0.0], [-1.0, 0.0, 0.0], 0.01, 0.002);
+        let mut settings = direct_settings(Direct::None, 0.05);
+        settings.photons = 60_000;
+        let values = per_pass::<T>(&builder.build().unwrap(), &settings, 16, 2);
+        let truth = reflectance * along / PI;
+        let (found, error) = (moments(&values).0, standard_error(&values));
+        assert_agrees(name, found, truth, error, 3e-3 * truth);
+        assert!(!agrees(found, 1.2 * truth, error, 3e-3 * truth), "the noise is small enough to tell: {error}");
+    }
 }
 
 /// V1: roughnesses outside of their range are an error that names them.

@@ -4,7 +4,7 @@ use crate::describe::{AlphaMode, LightDesc, MaterialDesc, Surface};
 use crate::environment::Sun;
 use crate::error::SceneError;
 use crate::normalise::{Frame, Geometry};
-use crate::shading::{Radiances, simplest};
+use crate::shading::{Radiances, is_smooth_metal, simplest};
 use crate::validate::unit;
 use glam::DVec3;
 use photon_core::sampling::spot_solid_angle;
@@ -195,8 +195,7 @@ pub(crate) fn materials(
                 None => surface(desc, in_use, &mut media, frame),
                 // It has not been simplified, since its glass needs all of it.
                 Some(_) => {
-                    let is_varied = desc.textures.metallic_roughness.is_some() || desc.anisotropy > 0.0;
-                    let opaque = MaterialDesc { surface: simplest(desc.surface.clone(), is_varied), ..desc.clone() };
+                    let opaque = MaterialDesc { surface: simplest(desc.surface.clone()), ..desc.clone() };
                     surface(&opaque, in_use, &mut media, frame)
                 }
             };
@@ -267,6 +266,9 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
         // Without metal and coat, what is left is diffuse.
         Surface::Glossy { base_color, metallic: 0.0, specular: 0.0, .. } => {
             Material { albedo: colour(base_color), ..of(MaterialKind::Lambert) }
+        }
+        Surface::Glossy { base_color, .. } if is_smooth_metal(desc) => {
+            Material { albedo: colour(base_color), metallic: 1.0, ..of(MaterialKind::Mirror) }
         }
         Surface::Glossy { base_color, metallic, roughness, specular, ior } => Material {
             albedo: colour(base_color),

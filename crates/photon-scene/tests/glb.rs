@@ -130,7 +130,8 @@ fn the_simplest_surface_is_written() {
     for (desc, simplest) in [
         (glossy(0.0, 0.0, 1.5), MaterialDesc::lambert("it", [0.3; 3])),
         (glossy(0.0, 1.0, 1.0), MaterialDesc::lambert("it", [0.3; 3])),
-        (glossy(1.0, 0.5, 1.5), MaterialDesc::mirror("it", [0.3; 3])),
+        // A smooth metal is no perfect mirror.
+        (glossy(1.0, 0.5, 1.5), glossy(1.0, 0.5, 1.5)),
     ] {
         let scene = |desc: &MaterialDesc| {
             let mut scene = SceneBuilder::new();

@@ -67,7 +67,7 @@ impl MaterialKind {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Material {
-    /// Lambert: albedo. Mirror: reflectance. Dielectric: tint of transmitted light. Glossy: base colour, the albedo of
+    /// Lambert: albedo. Mirror: reflectance at normal incidence. Dielectric: tint of transmitted light. Glossy: base colour, the albedo of
     /// the base and the reflectance of the metal. In `[0, 1]`, linear RGB.
     pub albedo: [f32; 3],
     /// Number of a [`MaterialKind`]; see [`Material::kind`].
@@ -85,7 +85,8 @@ pub struct Material {
     pub ior: f32,
     /// Textures that multiply the colours: 1 + index into [`crate::ShadingTables::material_textures`]; 0 without any.
     pub textures: u32,
-    /// Glossy: the share of metal, in `[0, 1]`; the rest has a base under a dielectric coat. Otherwise 0.
+    /// Glossy: the share of metal, in `[0, 1]`; the rest has a base under a dielectric coat. Mirror: how far the reflectance
+    /// rises to 1 at grazing angles (Schlick 1994, equation 15): 0 not at all, 1 as that of metals. Otherwise 0.
     pub metallic: f32,
     /// Glossy, dielectric and thin: roughness, in `[0, 1]`; the width of the distribution is its square. Of glossy surfaces
     /// it is at least [`crate::ggx::MIN_ALPHA`]; dielectrics of lower widths are smooth. Otherwise 0.

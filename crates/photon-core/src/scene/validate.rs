@@ -177,7 +177,10 @@ fn check_material(material: &Material, media: &[Medium]) -> Check {
     let is_rough =
         || require((0.0..=1.0).contains(&roughness), || format!("its roughness {roughness} must lie between 0 and 1"));
     match kind {
-        MaterialKind::Lambert | MaterialKind::Mirror => Ok(()),
+        MaterialKind::Lambert => Ok(()),
+        MaterialKind::Mirror => require((0.0..=1.0).contains(&material.metallic), || {
+            format!("its metallic {} must lie between 0 and 1", material.metallic)
+        }),
         MaterialKind::Thin => refracts().and_then(|()| is_rough()),
         MaterialKind::Glossy => {
             is_rough()?;

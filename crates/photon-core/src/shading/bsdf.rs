@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use crate::fresnel::{fresnel, reflect, refract, sheet_reflectance};
+use crate::fresnel::{fresnel, reflect, refract, schlick_rise, sheet_reflectance};
 use crate::requirements::features::Features;
 use crate::sampling;
 use crate::scene::material::{Material, MaterialKind};
@@ -57,6 +57,7 @@ impl Bsdf {
                 if features.contains(Features::MIRROR) {
                     bsdf.kind = MaterialKind::Mirror;
                     bsdf.reflectance = 1.0;
+                    bsdf.albedo += (1.0 - bsdf.albedo) * (material.metallic * schlick_rise(cosine));
                 }
             }
             MaterialKind::Dielectric => {

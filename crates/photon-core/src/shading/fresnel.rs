@@ -43,6 +43,16 @@ pub fn sheet_reflectance(single: f32) -> f32 {
     2.0 * single / (1.0 + single)
 }
 
+/// `(1 − cos θ)⁵`, by which the reflectance of a metal rises from that at normal incidence to 1 (Schlick 1994,
+/// equation 15).
+#[inline]
+#[must_use]
+pub fn schlick_rise(cosine: f32) -> f32 {
+    let across = 1.0 - cosine.clamp(0.0, 1.0);
+    let square = across * across;
+    square * square * across
+}
+
 /// The mirror direction of `direction` at `normal`; both unit vectors.
 #[inline]
 #[must_use]

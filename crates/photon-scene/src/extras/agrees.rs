@@ -28,6 +28,10 @@ impl Agrees for MaterialDesc {
         let surface = match (&self.surface, &exact.surface) {
             (Surface::Lambert { albedo: a }, Surface::Lambert { albedo: b })
             | (Surface::Mirror { reflectance: a }, Surface::Mirror { reflectance: b }) => all_close(*a, *b),
+            // glTF has no perfect mirrors: they are written as smooth metals.
+            (Surface::Glossy { base_color, metallic, roughness, .. }, Surface::Mirror { reflectance }) => {
+                close(*metallic, 1.0) && *roughness == 0.0 && all_close(*base_color, *reflectance)
+            }
             (
                 Surface::Dielectric { ior, absorption, tint, roughness },
                 Surface::Dielectric {

@@ -5,7 +5,7 @@
 //! | node | its matrix or translation, rotation and scale, in f64; a mirrored mesh keeps its front side |
 //! | primitive | one mesh for each node that refers to it; triangle lists, strips and fans |
 //! | base colour | base colour of a glossy surface, or tint of transmitted light |
-//! | metallic, roughness, `specular`, `ior` | glossy surface; a mirror if it is all metal and smooth, diffuse without specular reflection |
+//! | metallic, roughness, `specular`, `ior` | glossy surface; rendered as a mirror if it is all metal and smooth, diffuse without specular reflection |
 //! | `pbrSpecularGlossiness` | glossy: a metal of its specular colour, or a coat over its diffuse colour |
 //! | skins, morph targets | in the default pose: joints as their nodes are, default weights of the targets |
 //! | `transmission` | share of glass, by texel: a thin sheet, or a solid dielectric where `volume` gives a thickness; rough by the roughness |

@@ -1,5 +1,5 @@
 //! Materials in their simplest form: textures that a factor can replace, which are images of one colour and those whose
-//! factor is 0, and glossy surfaces that are diffuse or perfect mirrors.
+//! factor is 0, and glossy surfaces that are diffuse.
 
 use photon_core::{Texture, ggx};
 
@@ -49,10 +49,9 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
             textures.normal = None;
         }
         fold_anisotropy(material, color_of);
-        let is_varied = material.textures.metallic_roughness.is_some() || material.anisotropy > 0.0;
         // Glass has the refractive index and roughness of a glossy surface.
         if material.transmission == 0.0 {
-            material.surface = simplest(material.surface.clone(), is_varied);
+            material.surface = simplest(material.surface.clone());
         }
         remove_anisotropy(material);
         let textures = &mut material.textures;
@@ -66,21 +65,25 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
     }
 }
 
-/// The same surface without a glossy reflection where it has none: a base without a coat is diffuse, and a metal is a
-/// mirror if its distribution is narrower than what is rendered. A coat of refractive index 1 reflects nothing, since
-/// light passes a boundary between equal indices. `is_varied`: whether a texture multiplies roughness and metal, or the
-/// reflection is anisotropic.
-pub(crate) fn simplest(surface: Surface, is_varied: bool) -> Surface {
+/// The same surface without a glossy reflection where it has none: a base without a coat is diffuse. A coat of refractive
+/// index 1 reflects nothing, since light passes a boundary between equal indices.
+pub(crate) fn simplest(surface: Surface) -> Surface {
     let Surface::Glossy { base_color, metallic, roughness, specular, ior } = surface else { return surface };
     let specular = if ior == 1.0 { 0.0 } else { specular };
     if specular == 0.0 && metallic == 0.0 {
         return Surface::Lambert { albedo: base_color };
     }
-    let is_smooth = roughness * roughness < f64::from(ggx::MIN_ALPHA);
-    if is_smooth && metallic >= 1.0 && !is_varied {
-        return Surface::Mirror { reflectance: base_color };
-    }
     Surface::Glossy { base_color, metallic, roughness, specular, ior }
+}
+
+/// Whether a surface is rendered as a mirror with the reflectance of a metal: it is metal alone, and its distribution is
+/// narrower than what is rendered. Not if a texture multiplies roughness and metal, if the reflection is anisotropic, or if
+/// there is another layer.
+pub(crate) fn is_smooth_metal(desc: &MaterialDesc) -> bool {
+    let Surface::Glossy { metallic, roughness, .. } = desc.surface else { return false };
+    let is_bare = desc.clearcoat == 0.0 && desc.sheen_color == [0.0; 3];
+    let is_varied = desc.textures.metallic_roughness.is_some() || desc.anisotropy > 0.0;
+    metallic >= 1.0 && roughness * roughness < f64::from(ggx::MIN_ALPHA) && is_bare && !is_varied
 }
 
 /// The same for a texture of roughness and metal; surfaces that have neither do not use it.

@@ -30,9 +30,9 @@ pub(crate) use self::alpha::fold_alpha;
 #[cfg(feature = "files")]
 pub(crate) use self::alpha::uniform_alpha;
 pub(crate) use self::fold::fold;
-pub(crate) use self::fold::simplest;
 #[cfg(feature = "files")]
 pub(crate) use self::fold::uniform;
+pub(crate) use self::fold::{is_smooth_metal, simplest};
 #[cfg(feature = "files")]
 pub(crate) use self::normals::unit;
 pub(crate) use self::radiance::Radiances;

@@ -150,7 +150,7 @@ fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     };
     // Glass has the refractive index and roughness of a glossy surface.
     let is_partly_glass = of.transmission > 0.0 && of.ior != 0.0 && !is_metal;
-    if is_partly_glass { surface } else { simplest(surface, is_varied) }
+    if is_partly_glass { surface } else { simplest(surface) }
 }
 
 /// A transmissive material: a solid if it has a volume, otherwise a thin sheet.

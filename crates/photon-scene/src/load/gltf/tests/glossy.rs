@@ -1,6 +1,6 @@
 //! Metal, roughness and specular reflection.
 
-use photon_core::TexelFormat;
+use photon_core::{MaterialKind, TexelFormat};
 
 use super::file::{data_uri, png, says};
 use super::materials::{read, textured};
@@ -33,21 +33,27 @@ fn factors_are_kept() {
 }
 
 #[test]
-fn only_smooth_metals_are_mirrors() {
-    let metal = |roughness: f64, metallic: f64| {
-        let (material, report) = read(&format!(
+fn only_smooth_metals_are_rendered_as_mirrors() {
+    for (roughness, metallic, is_mirror) in [
+        (0.0, 1.0, true),
+        // Widths below 0.001 are not rendered.
+        (0.03, 1.0, true),
+        (0.032, 1.0, false),
+        (0.0, 0.99, false),
+        (0.5, 1.0, false),
+        (0.0, 0.0, false),
+    ] {
+        let json = format!(
             r#""pbrMetallicRoughness": {{"baseColorFactor": [1, 0.5, 0.25, 1], "roughnessFactor": {roughness}, "metallicFactor": {metallic}}}"#
-        ));
+        );
+        let (builder, report) = super::file::File::new().material(&json).load();
         assert!(report.lines.is_empty(), "{report}");
-        material
-    };
-    let mirror = MaterialDesc::mirror("it", [1.0, 0.5, 0.25]);
-    assert_eq!(metal(0.0, 1.0), mirror);
-    // Widths below 0.001 are not rendered.
-    assert_eq!(metal(0.03, 1.0), mirror);
-    for (roughness, metallic) in [(0.032, 1.0), (0.0, 0.99), (0.5, 1.0), (0.0, 0.0)] {
-        let material = metal(roughness, metallic);
-        assert!(matches!(material.surface, Surface::Glossy { .. }), "{material:?}");
+        assert!(matches!(builder.materials[0].surface, Surface::Glossy { .. }), "{:?}", builder.materials[0]);
+        let scene = builder.build().unwrap();
+        let record = scene.view().materials[0];
+        assert_eq!(record.kind() == MaterialKind::Mirror, is_mirror, "{record:?}");
+        // Mirrors reflect as metals do.
+        assert!(record.albedo == [1.0, 0.5, 0.25] && (!is_mirror || record.metallic == 1.0), "{record:?}");
     }
 }
 
@@ -144,7 +150,7 @@ fn a_uniform_texture_is_a_factor() {
     assert!((metallic - 0.4).abs() < 1e-12 && (roughness - 0.1).abs() < 1e-12, "{material:?}");
     assert!(material.textures.metallic_roughness.is_none() && builder.textures.is_empty() && report.is_exact());
     let (builder, _) = textured(TEXTURED, &[[99, 0, 255, 255]]).load();
-    assert_eq!(builder.materials[0], MaterialDesc::mirror("it", [1.0; 3]));
+    assert_eq!(builder.materials[0], MaterialDesc::metal("it", [1.0; 3], 0.0));
 }
 
 fn specular_glossiness(json: &str) -> String {
@@ -228,7 +234,7 @@ fn specular_glossiness_textures() {
 fn bad_specular_glossiness_is_named() {
     for (json, word) in [
         (r#""glossinessFactor": 2"#, "roughness"),
-        (r#""diffuseFactor": [0, 0, 0, 1], "specularFactor": [2, 1, 1]"#, "reflectance"),
+        (r#""diffuseFactor": [0, 0, 0, 1], "specularFactor": [2, 1, 1]"#, "base_color"),
     ] {
         let (builder, _) = super::file::File::new().material(&specular_glossiness(json)).load();
         let error = builder.build().map(drop).unwrap_err().to_string();
@@ -385,7 +391,7 @@ fn anisotropies_are_read() {
     // The strength is 0 unless it is given.
     let (material, report) = read(&of(r#""anisotropyRotation": 0.25, "anisotropyTexture": {"index": 9}"#));
     assert_eq!([material.anisotropy, material.anisotropy_rotation], [0.0; 2]);
-    assert!(matches!(material.surface, Surface::Mirror { .. }) && report.lines.is_empty(), "{report}");
+    assert!(material == MaterialDesc::metal("it", [1.0; 3], 0.0) && report.lines.is_empty(), "{report}");
 
     let texture = r#""anisotropyStrength": 0.5, "anisotropyTexture": {"index": 0}"#;
     let texels = [[51, 102, 255, 255], [255, 0, 0, 255]];

@@ -61,7 +61,7 @@ class Film:
 
     @cached_property
     def error_bound(self) -> np.ndarray:
-        """Half the width of a 95 % confidence interval of each pixel, bias included; NaN where there is no estimate.
+        """Half the width of a 95 % confidence interval of each pixel, bias included; infinite where there is no estimate.
 
         Needs a render with `errors=True` or a target error.
         """

@@ -23,7 +23,7 @@ class Scene:
     """
 
     def __init__(self) -> None:
-        self._source: tuple[str, str] | None = None
+        self._source: tuple[str, str, str | None, int | None] | None = None
         self._calls: list[tuple[str, tuple[Any, ...]]] = []
         self._built: RawScene | None = None
         self._digest: str | None = None
@@ -32,17 +32,26 @@ class Scene:
     def builtin(cls, name: str) -> Scene:
         """A built-in scene; `photonmap.builtin_scenes()` lists them."""
         scene = cls()
-        scene._source = ("builtin", str(name))
+        scene._source = ("builtin", str(name), None, None)
         RawBuilder.builtin(str(name))
         return scene
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], overrides: str | os.PathLike[str] | None = None) -> Scene:
-        """A .gltf, .glb, .obj or .ply file, changed by an override file (TOML)."""
+    def load(
+        cls,
+        path: str | os.PathLike[str],
+        overrides: str | os.PathLike[str] | None = None,
+        *,
+        memory: int | None = None,
+    ) -> Scene:
+        """A .gltf, .glb, .obj or .ply file, changed by an override file (TOML).
+
+        `memory`: limit in bytes on what reading holds at any time: files, meshes, textures and images. Textures that do not
+        fit are reduced, which `report` says; if that is not enough, the error is `OutOfMemoryError`.
+        """
         scene = cls()
-        scene._source = ("file", os.path.abspath(os.fspath(path)))
-        if overrides is not None:
-            scene._call("overrides", os.path.abspath(os.fspath(overrides)))
+        more = None if overrides is None else os.path.abspath(os.fspath(overrides))
+        scene._source = ("file", os.path.abspath(os.fspath(path)), more, _limit(memory))
         scene.build()
         return scene
 
@@ -129,18 +138,20 @@ class Scene:
         """Sets the sun: a disc, infinitely far away, whose light travels in `direction`; its `radius` in degrees."""
         return self._call("sun", vector("direction", direction), triple("irradiance", irradiance), number("radius", radius))
 
-    def environment(self, light: Any, *, rotate: float = 0.0, scale: float = 1.0) -> Scene:
+    def environment(
+        self, light: Any, *, rotate: float = 0.0, scale: float = 1.0, memory: int | None = None
+    ) -> Scene:
         """Sets the light from all around, and replaces that of before.
 
         `light`: a radiance in W/(m² sr), a number or RGB; an image as an array (h, w, 3), w = 2h, in latitude and longitude;
         the path of one; or a clear sky with its sun, as "sky:ELEVATION,TURBIDITY" in degrees and from 1 to 10.
-        `rotate`: degrees, counter-clockwise as seen from above (+y).
+        `rotate`: degrees, counter-clockwise as seen from above (+y). `memory`: limit in bytes on reading an image file.
         """
-        turn, factor = number("rotate", rotate), number("scale", scale)
+        turn, factor, limit = number("rotate", rotate), number("scale", scale), _limit(memory)
         if isinstance(light, (str, os.PathLike)):
             text = os.fspath(light)
             if not text.startswith("sky:"):
-                return self._call("environment_file", os.path.abspath(text), turn, factor)
+                return self._call("environment_file", os.path.abspath(text), turn, factor, limit)
             try:
                 elevation, turbidity = (float(part) for part in text[4:].split(","))
             except ValueError:
@@ -265,8 +276,8 @@ class Scene:
     def _builder(self) -> RawBuilder:
         if self._source is None:
             return RawBuilder()
-        kind, name = self._source
-        return RawBuilder.builtin(name) if kind == "builtin" else RawBuilder.load(name)
+        kind, name, overrides, memory = self._source
+        return RawBuilder.builtin(name) if kind == "builtin" else RawBuilder.load(name, overrides, memory)
 
     def __getstate__(self) -> dict[str, Any]:
         # Arrays are part of the pickle, files are not: their contents must be the same.
@@ -277,6 +288,15 @@ class Scene:
     def __repr__(self) -> str:
         source = f"{self.name}, " if self._source else ""
         return f"Scene({source}{len(self._calls)} additions)"
+
+
+def _limit(memory: int | None) -> int | None:
+    """A number of bytes that fits into 64 bits."""
+    if memory is None:
+        return None
+    if isinstance(memory, bool) or not isinstance(memory, (int, np.integer)) or not 0 < memory < 2**64:
+        raise InputError(f"memory is {memory!r}, but must be a whole number of bytes above 0, or None")
+    return int(memory)
 
 
 def _uv_sets(name: str, uvs: Any, count: int) -> list[np.ndarray]:

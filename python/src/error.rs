@@ -71,7 +71,12 @@ impl From<photonmap::Error> for Failure {
 
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
-        Self::new(if matches!(error, SceneError::Read { .. }) { Kind::File } else { Kind::Input }, chain(&error))
+        let kind = match error {
+            SceneError::Read { .. } => Kind::File,
+            SceneError::Memory { .. } => Kind::Memory,
+            _ => Kind::Input,
+        };
+        Self::new(kind, chain(&error))
     }
 }
 

@@ -127,7 +127,8 @@ impl RawFilm {
         Ok(values.into_pyarray(py))
     }
 
-    /// Half the width of the confidence interval of each pixel; NaN where there is none. `None` without error statistics.
+    /// Half the width of the confidence interval of each pixel; infinite where there is no estimate. `None` without error
+    /// statistics.
     fn bounds<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f32>>> {
         let intervals = self.film.confidence_intervals()?;
         Some(intervals.iter().map(|interval| interval.half_width as f32).collect::<Vec<_>>().into_pyarray(py))

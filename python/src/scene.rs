@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
-    CameraDesc, EnvironmentDesc, LightDesc, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, Scene,
-    SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names,
-    load_builder,
+    CameraDesc, EnvironmentDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection,
+    Scene, SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names,
+    load_builder_with,
 };
 use pyo3::prelude::*;
 
@@ -58,10 +58,15 @@ impl RawBuilder {
         Ok(Self { builder, report: LoadReport::default(), materials: Vec::new(), textures: Vec::new() })
     }
 
-    /// A scene file.
+    /// A scene file, changed by an override file. `memory` limits the bytes that reading holds.
     #[staticmethod]
-    fn load(py: Python<'_>, path: &str) -> PyResult<Self> {
-        let (builder, report) = py.detach(|| load_builder(Path::new(path), None).map_err(Failure::from))?;
+    fn load(py: Python<'_>, path: &str, overrides: Option<&str>, memory: Option<u64>) -> PyResult<Self> {
+        let options = LoadOptions::default().with_memory(memory);
+        let load = || {
+            let overrides = overrides.map(|path| Overrides::read_with(Path::new(path), &options)).transpose()?;
+            load_builder_with(Path::new(path), overrides.as_ref(), &options)
+        };
+        let (builder, report) = py.detach(|| load().map_err(Failure::from))?;
         Ok(Self { builder, report, materials: Vec::new(), textures: Vec::new() })
     }
 
@@ -204,9 +209,10 @@ impl RawBuilder {
         self.environment(&EnvironmentDesc::sky(elevation, turbidity), rotate, scale)
     }
 
-    /// An image file in latitude and longitude.
-    fn environment_file(&mut self, path: &str, rotate: f64, scale: f64) -> PyResult<()> {
-        let desc = EnvironmentDesc::read(Path::new(path), &mut self.report).map_err(Failure::from)?;
+    /// An image file in latitude and longitude. `memory` limits the bytes that reading holds.
+    fn environment_file(&mut self, path: &str, rotate: f64, scale: f64, memory: Option<u64>) -> PyResult<()> {
+        let options = LoadOptions::default().with_memory(memory);
+        let desc = EnvironmentDesc::read_with(Path::new(path), &mut self.report, &options).map_err(Failure::from)?;
         self.environment(&desc, rotate, scale)
     }
 

@@ -149,6 +149,59 @@ def test_a_scene_of_a_file(tmp_path):
         pm.Scene.load(tmp_path / "none.obj")
 
 
+def test_the_camera_of_an_override_file_is_the_only_one(tmp_path):
+    (tmp_path / "floor.obj").write_text("v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n")
+    light = '[[lights]]\ntype = "point"\nposition = [0, 1, 0]\nintensity = [9, 9, 9]\n'
+    camera = '[[cameras]]\nname = "side"\nfrom = [3, 2, 0]\nto = [0, 0, 0]\nfov_degrees = 40\n'
+    (tmp_path / "lit.toml").write_text(light)
+    (tmp_path / "seen.toml").write_text(light + camera)
+    lit = pm.Scene.load(tmp_path / "floor.obj", overrides=tmp_path / "lit.toml")
+    seen = pm.Scene.load(tmp_path / "floor.obj", overrides=tmp_path / "seen.toml")
+    assert lit.cameras == ["automatic"] and seen.cameras == ["side"] and lit.digest == seen.digest
+    assert any("camera" in line for line in lit.report) and not any("camera" in line for line in seen.report)
+    beauty = pm.render(seen, **QUICK).beauty
+    by_hand = pm.Scene.load(tmp_path / "floor.obj", overrides=tmp_path / "lit.toml")
+    by_hand.camera((3, 2, 0), to=(0, 0, 0), fov=40, name="other")
+    np.testing.assert_array_equal(beauty, pm.render(by_hand, camera="other", **QUICK).beauty)
+    assert (beauty != pm.render(lit, **QUICK).beauty).any()
+
+
+def test_reading_a_scene_within_limited_memory(tmp_path):
+    path, more, sky = tmp_path / "floor.obj", tmp_path / "more.toml", tmp_path / "sky.hdr"
+    path.write_text("v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n")
+    light = '[[lights]]\ntype = "point"\nposition = [0, 1, 0]\nintensity = [9, 9, 9]\n'
+    more.write_text(light)
+    sky.write_bytes(b"#?RADIANCE\n\n-Y 16 +X 32\n" + bytes([128, 128, 128, 128]) * 512)
+    free = pm.Scene.load(path, overrides=more).environment(sky)
+    limited = pm.Scene.load(path, overrides=more, memory=np.int64(1 << 20)).environment(sky, memory=1 << 20)
+    assert free.digest == limited.digest
+    with pytest.raises(pm.OutOfMemoryError, match="floor.obj.*20 bytes are left.*allow more memory"):
+        pm.Scene.load(path, memory=20)
+    # The override file is read before the scene.
+    with pytest.raises(pm.OutOfMemoryError, match="more.toml.*allow more memory"):
+        pm.Scene.load(path, overrides=more, memory=30)
+    with pytest.raises(pm.OutOfMemoryError, match="sky.hdr.*allow more memory"):
+        pm.Scene.load(path).environment(sky, memory=4000).build()
+    # Limits are part of the pickle, and hold where it is loaded.
+    data = pickle.dumps(limited)
+    assert pickle.loads(data).digest == limited.digest
+    more.write_text(light + "# \n" * (1 << 18))
+    with pytest.raises(pm.OutOfMemoryError, match="more.toml"):
+        pickle.loads(data).build()
+    more.write_text(light)
+    sky.write_bytes(b"#?RADIANCE\n\n-Y 256 +X 512\n" + bytes([128, 128, 128, 128]) * (256 * 512))
+    with pytest.raises(pm.OutOfMemoryError, match="sky.hdr"):
+        pickle.loads(data).build()
+
+
+@pytest.mark.parametrize("wrong", [0, -1, 1.5, float("nan"), True, "1 GB", 2**64])
+def test_limits_that_are_no_number_of_bytes(tmp_path, wrong):
+    with pytest.raises(pm.InputError, match="memory is .* whole number of bytes"):
+        pm.Scene.load(tmp_path / "none.obj", memory=wrong)
+    with pytest.raises(pm.InputError, match="memory is .* whole number of bytes"):
+        pm.Scene().environment(1.0, memory=wrong)
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -237,9 +290,11 @@ def test_the_error_target_ends_a_render(tmp_path):
     film = pm.render("cornell", size=(16, 16), photons=20_000, passes=90, target_error=0.9, share=0.5)
     assert 8 <= film.passes < 90
     bound = film.error_bound
-    assert bound.shape == (16, 16) and np.nanmedian(bound) > 0
+    assert bound.shape == (16, 16) and np.median(bound) > 0 and not np.isnan(bound).any()
     again = pickle.loads(pickle.dumps(film))
     np.testing.assert_array_equal(again.error_bound, bound)
+    # Two passes are too few for an estimate.
+    assert np.isposinf(pm.render("cornell", errors=True, **QUICK).error_bound).all()
 
 
 def test_progress_is_reported_and_may_stop():

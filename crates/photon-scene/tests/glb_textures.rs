@@ -121,6 +121,33 @@ fn textures_and_attributes_come_back_bit_by_bit() {
     gltf::Gltf::from_slice(&bytes).unwrap_or_else(|why| panic!("{why:?}"));
 }
 
+/// Single precision has 0 in place of these factors. A coordinate just below 0 is moved to 1 where it can be moved by
+/// whole numbers: the file must decide that as the scene did.
+#[test]
+fn transforms_below_single_precision_come_back() {
+    let of = |transform, stripped| {
+        let mut scene = SceneBuilder::new();
+        let glow = scene.texture(TextureDesc::srgb8("glow", 2, 1, &[[1, 2, 3, 255], [200, 100, 50, 255]]));
+        let mut material = MaterialDesc::emissive("square", [0.5; 3], [1.0; 3]);
+        material.textures.emission = Some(TextureRef::new(glow).with_transform(transform));
+        let material = scene.material(material);
+        let uvs = vec![[0.125, 0.25], [1.0, 0.0], [0.5, -4e-27], [0.0, 2.0]];
+        let attributes = VertexAttributes::default().with_uvs(vec![uvs]);
+        scene.mesh_with("square", SQUARE.to_vec(), vec![[0, 1, 2], [0, 2, 3]], attributes, material);
+        let bytes = glb(&scene).unwrap();
+        let bytes = if stripped { replaced(&bytes, b"\"photonmap\"", b"\"something\"") } else { bytes };
+        let (again, report) = reload("tiny", &bytes);
+        assert!(!report.to_string().contains("changed"), "{report}");
+        assert_eq!(tables(&scene), tables(&again), "{transform:?}");
+    };
+    // As the fuzzer found it; with an offset that is reduced; and one factor in single precision.
+    of([[-2e-185, 8e-320, 8e-320], [8e-320, 0.0, 8e-320]], false);
+    of([[-2e-185, 8e-320, -8e-320], [8e-320, 0.0, -8e-320]], false);
+    of([[2.0, 0.0, 0.0], [0.0, 8e-320, 0.0]], false);
+    // As other programs read it.
+    of([[2.0, 0.0, 0.0], [0.0, 8e-320, 0.0]], true);
+}
+
 /// Without the extras it is the same scene in single precision, and floats are bytes.
 #[test]
 fn the_comparison_sees_what_is_lost() {

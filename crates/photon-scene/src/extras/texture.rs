@@ -116,7 +116,8 @@ impl TexturesExtras {
             let exact = exact.map(|row| row.map(|part| part.0));
             let greatest = exact.as_flattened().iter().fold(0.0_f64, |most, part| most.max(part.abs()));
             let mut pairs = exact.as_flattened().iter().zip(used.transform.as_flattened());
-            let agree = pairs.all(|(exact, found)| (exact - found).abs() <= 1e-4 * greatest);
+            // Single precision does not reach below 1e-45.
+            let agree = pairs.all(|(exact, found)| (exact - found).abs() <= 1e-4 * greatest + 1e-30);
             agree.then_some(Some(TextureRef { transform: exact, ..used }))
         };
         // Without a normal map, its scale does not matter.

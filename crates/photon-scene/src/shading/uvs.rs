@@ -77,7 +77,8 @@ fn period(uses: &[(TextureRef, &Texture)], axis: usize) -> Option<f64> {
     let mut period = 1.0;
     for (used, image) in uses {
         for (row, wrap) in used.transform.iter().zip(image.wrap) {
-            let factor = row[axis];
+            // As the table has it: rounding may make a factor 0 or whole.
+            let factor = row[axis] as f32;
             if factor == 0.0 {
                 continue;
             }

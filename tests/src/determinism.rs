@@ -78,7 +78,7 @@ pub fn pictures_do_not_depend_on_batches<T: TestBackend>() {
 
 /// Requirements that include more than the scene needs change no bit; requirements that include less are an error.
 pub fn wider_requirements_change_nothing<T: TestBackend>() {
-    for name in ["cornell", "ring", "cornell-glass"] {
+    for name in ["cornell", "ring", "cornell-glass", "textures", "gloss", "sky", "many-lights"] {
         let scene = photon_scene::builtin(name).unwrap().build().unwrap();
         let settings = Settings { photons: 5000, caustic_photons: CausticPhotons::Aimed(2000), ..Settings::default() };
         let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };

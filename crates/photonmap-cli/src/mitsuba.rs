@@ -139,17 +139,13 @@ fn bsdf(name: &str, material: &Material, warnings: &mut Vec<String>) -> Result<S
     let two_sided = |inner: &str| format!("<bsdf type=\"twosided\">{inner}</bsdf>");
     Ok(match material.kind() {
         MaterialKind::Lambert => two_sided(&format!("<bsdf type=\"diffuse\">{}</bsdf>", rgb("reflectance", colour))),
-        MaterialKind::Mirror => {
-            if material.metallic > 0.0 && colour != [1.0; 3] {
-                warnings.push(format!(
-                    "material '{name}' is a smooth metal, which reflects more at grazing angles; not so in Mitsuba"
-                ));
-            }
-            let reflectance = rgb("specular_reflectance", colour);
-            two_sided(&format!(
-                "<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>{reflectance}</bsdf>"
-            ))
+        MaterialKind::Mirror if material.metallic > 0.0 && colour != [1.0; 3] => {
+            metal::smooth_metal(name, material, warnings)
         }
+        MaterialKind::Mirror => two_sided(&format!(
+            "<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/>{}</bsdf>",
+            rgb("specular_reflectance", colour)
+        )),
         MaterialKind::Thin if material.is_rough_glass() => {
             return Err(Fault::input(format!(
                 "material '{name}' is a rough sheet, which cannot be written for Mitsuba; give it roughness = 0 in an \

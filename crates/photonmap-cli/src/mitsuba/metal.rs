@@ -1,4 +1,4 @@
-//! Rough metals as `roughconductor`.
+//! Metals as `conductor` and `roughconductor`.
 
 use photon_core::{Material, ggx};
 
@@ -12,23 +12,33 @@ const BRIGHTEST: f64 = 0.9999;
 /// The BSDF of a glossy material that is all metal, and what differs from this renderer.
 pub(super) fn rough_metal(name: &str, material: &Material, warnings: &mut Vec<String>) -> String {
     let alpha = (material.roughness * material.roughness).max(ggx::MIN_ALPHA);
-    warnings.push(format!(
-        "material '{name}' reflects by the Fresnel equations in Mitsuba, here by Schlick's approximation; they differ by up \
-         to 0.06 at grazing angles"
-    ));
+    let indices = indices(name, material, warnings);
     if alpha > NOTABLE {
         warnings.push(format!(
             "material '{name}' has no multiple scattering in Mitsuba, and is darker there: its distribution has the width \
              {alpha}"
         ));
     }
-    let indices = material.albedo.map(|reflectance| index(f64::from(reflectance)));
     format!(
         "<bsdf type=\"twosided\"><bsdf type=\"roughconductor\"><string name=\"distribution\" value=\"ggx\"/><float \
-         name=\"alpha\" value=\"{alpha}\"/>{}{}</bsdf></bsdf>",
-        rgb("eta", indices.map(|(eta, _)| eta)),
-        rgb("k", indices.map(|(_, k)| k))
+         name=\"alpha\" value=\"{alpha}\"/>{indices}</bsdf></bsdf>"
     )
+}
+
+/// The BSDF of a mirror that reflects as a metal.
+pub(super) fn smooth_metal(name: &str, material: &Material, warnings: &mut Vec<String>) -> String {
+    let indices = indices(name, material, warnings);
+    format!("<bsdf type=\"twosided\"><bsdf type=\"conductor\">{indices}</bsdf></bsdf>")
+}
+
+/// Refractive indices of a metal of this colour, and how Mitsuba's reflectance differs.
+fn indices(name: &str, material: &Material, warnings: &mut Vec<String>) -> String {
+    warnings.push(format!(
+        "material '{name}' reflects by the Fresnel equations in Mitsuba, here by Schlick's approximation; they differ by up \
+         to 0.06 at grazing angles"
+    ));
+    let indices = material.albedo.map(|reflectance| index(f64::from(reflectance)));
+    rgb("eta", indices.map(|(eta, _)| eta)) + &rgb("k", indices.map(|(_, k)| k))
 }
 
 /// Complex refractive index η + ik of a metal with this reflectance r at normal incidence, after Gulbrandsen (2014). The

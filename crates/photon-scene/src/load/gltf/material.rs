@@ -102,6 +102,10 @@ fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surfa
     // Means of textures are rarely exactly 0.
     let is_metal = of.metallic > 0.0 && (of.textures.metallic_roughness.is_none() || of.mean_metallic > SOME_METAL);
     if of.transmission >= 1.0 && of.textures.transmission.is_none() && !is_metal {
+        if of.metallic > 0.0 && of.mean_metallic > 0.0 {
+            let percent = 100.0 * of.mean_metallic;
+            report.note(subject, format!("is glass, although its texture makes {percent:.2} % of it metal"));
+        }
         return glass(of, subject, report);
     }
     glossy(of, subject, report)

@@ -2,8 +2,8 @@
 
 use photon_core::random::{Domain, Sampler, lcg};
 use photon_core::{
-    Backend, Budget, Error, Estimate, EstimateParams, IndexKind, Photon, Pipeline, RandomKind, Search, Settings, View,
-    render,
+    Backend, Budget, EnvironmentMap, Error, Estimate, EstimateParams, IndexKind, Photon, Pipeline, RandomKind, Search,
+    Settings, View, render,
 };
 use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, SceneError, shapes};
 use std::f64::consts::PI;
@@ -282,6 +282,13 @@ pub fn s29_nothing_to_render<T: TestBackend>() {
     start(with(0.5, 1.0), small.clone(), 4).unwrap();
     let dark = start(with(0.5, 0.0), small.clone(), 4).unwrap_err();
     assert!(matches!(dark.downcast_ref(), Some(Error::NoLight)), "{dark}");
+    // Of a black environment map too, whatever its shape.
+    for (width, texels) in [(1, 1), (8, 32)] {
+        let mut builder = with(0.5, 0.0);
+        builder.environment(EnvironmentMap::new(width, &vec![[0.0; 3]; texels], 0.0).unwrap());
+        let dark = start(builder, small.clone(), 4).unwrap_err();
+        assert!(matches!(dark.downcast_ref(), Some(Error::NoLight)), "{dark}");
+    }
     let black = start(with(0.0, 1.0), small.clone(), 4).unwrap_err();
     assert!(matches!(black.downcast_ref(), Some(Error::NoReceiver)), "{black}");
     assert!(start(with(0.5, 1.0), Settings { photons: 0, ..small.clone() }, 4).is_err());

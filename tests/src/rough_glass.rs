@@ -10,8 +10,8 @@ use crate::gloss_reference::half_vectors;
 use crate::harness::{TestBackend, look_at_point, per_pass, trace};
 use crate::stats::{assert_agrees, moments, standard_error};
 
-fn solid(roughness: f64) -> MaterialDesc {
-    MaterialDesc::new("glass", Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3], roughness })
+fn solid(roughness: f64, ior: f64) -> MaterialDesc {
+    MaterialDesc::new("glass", Surface::Dielectric { ior, absorption: [0.0; 3], tint: [1.0; 3], roughness })
 }
 
 fn sheet(roughness: f64) -> MaterialDesc {
@@ -104,10 +104,12 @@ fn look_along(builder: &mut SceneBuilder, o: DVec3) {
 /// G4: in an even environment of radiance 1, balls, blocks and panes of rough glass show 1 at any roughness. The tables
 /// allow 2.5e-3 at each of some four surfaces of a path.
 pub fn g4_white_furnace<T: TestBackend>() {
-    for (roughness, is_solid) in [(0.1, true), (0.4, true), (1.0, true), (0.5, false)] {
+    for (roughness, ior, is_solid) in
+        [(0.1, 1.5, true), (0.4, 1.5, true), (1.0, 1.5, true), (0.4, 2.4, true), (0.4, 1.05, true), (0.5, 1.5, false)]
+    {
         let mut builder = SceneBuilder::new();
         if is_solid {
-            let glass = builder.material(solid(roughness));
+            let glass = builder.material(solid(roughness, ior));
             let (positions, triangles) = shapes::icosphere(2, [0.0; 3], 0.5);
             builder.mesh("ball", positions, triangles, glass);
         } else {
@@ -118,7 +120,7 @@ pub fn g4_white_furnace<T: TestBackend>() {
         builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap());
         let scene = builder.build().unwrap();
         let values = per_pass::<T>(&scene, &settings(Direct::Nee, Indirect::None, 512), 12, 10);
-        let what = format!("roughness {roughness}, solid {is_solid}");
+        let what = format!("roughness {roughness}, index {ior}, solid {is_solid}");
         assert_agrees(&what, moments(&values).0, 1.0, standard_error(&values), 1e-2);
     }
 }
@@ -144,7 +146,7 @@ pub fn light_behind_a_boundary<T: TestBackend>() {
         };
         let block = |low: [f64; 3], high: [f64; 3]| {
             let mut builder = SceneBuilder::new();
-            let glass = builder.material(solid(roughness));
+            let glass = builder.material(solid(roughness, 1.5));
             let (positions, triangles) = shapes::cuboid(low, high);
             builder.mesh("block", positions, triangles, glass);
             builder
@@ -181,7 +183,7 @@ pub fn light_behind_a_boundary<T: TestBackend>() {
 pub fn g5_closed_room<T: TestBackend>() {
     let mut builder = SceneBuilder::new();
     let wall = builder.material(MaterialDesc::emissive("wall", [0.5; 3], [1.0 / PI; 3]));
-    let glass = builder.material(solid(0.6));
+    let glass = builder.material(solid(0.6, 1.5));
     let pane = builder.material(sheet(0.8));
     let (positions, triangles) = shapes::flip(shapes::cuboid([-0.5; 3], [0.5; 3]));
     builder.mesh("walls", positions, triangles, wall);

@@ -74,7 +74,7 @@ fn what_is_lost_of_textures_is_named() {
     assert!(scene.view().shading.textures.is_empty());
     let text = report.to_string();
     names(&text, &["material 'a': its texture map_Kd gone.png: the file does not exist"]);
-    names(&text, &["its textures (map_Bump -bm 1 bumps.png, map_Ks s.png)"]);
+    names(&text, &["its textures (map_Bump -bm 1 bumps.png, map_Ks s.png)", "by `norm`"]);
     for outside in ["../a.png", "/etc/passwd", "..\\a.png"] {
         let (_, report) = square("obj-outside", &format!("Kd 1 1 1\nmap_Kd {outside}"), FACE);
         names(&report.to_string(), &["material 'a'", "outside the folder"]);

@@ -173,7 +173,10 @@ impl Translation<'_> {
         let Entry { textures, others, .. } = self.material;
         if !textures.is_empty() {
             let list = textures.join(", ");
-            self.left_out(format!("its textures ({list}); give an albedo like their mean in an override file"));
+            // Heights have no unit in MTL.
+            let is_bump = textures.iter().any(|texture| texture.to_lowercase().contains("bump "));
+            let hint = if is_bump { "; make a normal map of the heights, and name it by `norm`" } else { "" };
+            self.left_out(format!("its textures ({list}), which are not modelled{hint}"));
         }
         if !others.is_empty() {
             self.left_out(format!("its statements {}, which are not modelled", others.join(", ")));

@@ -90,13 +90,15 @@ fn ranges_are_reported() {
 fn cameras_look_along_minus_z() {
     let perspective =
         r#""type": "perspective", "name": "eye", "perspective": {"yfov": 0.5, "znear": 0.1, "aspectRatio": 2}"#;
-    let (builder, _) = file_with_camera(perspective, r#""translation": [0, 1, 5],"#).load();
+    let (builder, report) = file_with_camera(perspective, r#""translation": [0, 1, 5],"#).load();
+    assert!(says(&report, "camera 'eye'", "2.000 times"), "{report}");
     let (name, camera) = &builder.cameras[0];
     assert_eq!((name.as_str(), camera.position), ("eye", [0., 1., 5.]));
     assert_eq!((camera.direction, camera.up), ([0., 0., -1.], [0., 1., 0.]));
     assert_eq!(camera.projection, Projection::Perspective { vertical_fov: 0.5 });
     let orthographic = r#""type": "orthographic", "orthographic": {"xmag": 4, "ymag": 3, "znear": 0, "zfar": 9}"#;
-    let (builder, _) = file_with_camera(orthographic, r#""scale": [2, 2, 2],"#).load();
+    let (builder, report) = file_with_camera(orthographic, r#""scale": [2, 2, 2],"#).load();
+    assert!(!report.to_string().contains("times"), "{report}");
     assert_eq!(builder.cameras[0].0, "camera 0");
     assert_eq!(builder.cameras[0].1.projection, Projection::Orthographic { half_height: 3.0 });
 }

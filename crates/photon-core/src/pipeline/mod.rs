@@ -28,7 +28,7 @@ use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::scene::layout::{ErrorMoments, Estimate, PhotonRay, Query};
 use crate::scene::units::Units;
-use crate::settings::{Bandwidth, Estimator, Settings};
+use crate::settings::{Bandwidth, Settings};
 
 /// Index of the pass from which radii are derived; no pass of a picture has this index.
 const PILOT_PASS: u32 = u32::MAX;
@@ -336,13 +336,6 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 }
 
-impl<B: TransportBackend> Pipeline<B> {
-    /// Whether radiance is clamped to `[0, 1]` in pictures.
-    fn clamps(&self) -> bool {
-        matches!(self.settings.estimator, Estimator::Paper(paper) if paper.clamp)
-    }
-}
-
 impl<B: TransportBackend> Render for Pipeline<B> {
     fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
         if self.state == State::RestartFailed {
@@ -364,14 +357,13 @@ impl<B: TransportBackend> Render for Pipeline<B> {
 
     fn film(&mut self) -> Result<Film> {
         let mut film = self.on.read_film(&self.film)?;
-        film.clamp = self.clamps();
+        film.clamp = self.settings.estimator.clamps();
         (film.contains, film.cut) = (self.contains.clone(), self.cut);
         Ok(film)
     }
 
     fn display(&mut self, display: &Display) -> Result<DisplayImage> {
-        let clamp = self.clamps();
-        self.on.read_display(&mut self.film, display, clamp)
+        self.on.read_display(&mut self.film, display, self.settings.estimator.clamps())
     }
 
     fn take(&mut self) -> Result<Film> {

@@ -44,6 +44,13 @@ pub enum Estimator {
     Paper(Paper),
 }
 
+impl Estimator {
+    /// Whether pictures are clamped to `[0, 1]`, which [`Paper::clamp`] asks for.
+    pub(crate) fn clamps(&self) -> bool {
+        matches!(self, Self::Paper(paper) if paper.clamp)
+    }
+}
+
 /// Parameters of the estimator of Lin and Wang 2010.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

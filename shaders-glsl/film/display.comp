@@ -50,6 +50,7 @@ void main() {
     if ((LAYERS & 2) != 0) radiance += layer(1, pixel);
     if ((LAYERS & 4) != 0) radiance += layer(2, pixel);
     if ((LAYERS & 8) != 0) radiance += layer(3, pixel);
+    radiance = without_nan(radiance);
     if (IS_CLAMPED) radiance = clamp(radiance, 0.0, 1.0);
     uint opacity = 255;
     if (IS_TRANSPARENT) {

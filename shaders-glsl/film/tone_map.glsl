@@ -36,9 +36,15 @@ vec3 tone_map_agx(vec3 colour) {
     return mix(pow((shown + 0.055) / 1.055, vec3(2.4)), shown / 12.92, lessThanEqual(shown, vec3(0.04045)));
 }
 
-// Maps a colour to [0, 1], still linear. NaN becomes 0.
+// The same colour with 0 for NaN. By bits, since compilers may take it that there is none.
+vec3 without_nan(vec3 colour) {
+    bvec3 bad = greaterThan(floatBitsToUint(colour) & 0x7fffffffu, uvec3(0x7f800000u));
+    return mix(colour, vec3(0.0), bad);
+}
+
+// Maps a colour without NaN to [0, 1], still linear. `exposure` is finite.
 vec3 tone_map(uint curve, float exposure, vec3 colour) {
-    colour = mix(clamp(colour * exposure, 0.0, 1e30), vec3(0.0), isnan(colour));
+    colour = clamp(colour * exposure, 0.0, 1e30);
     if (curve == TONE_MAP_REINHARD) {
         colour /= 1.0 + dot(colour, vec3(0.2126, 0.7152, 0.0722));
     } else if (curve == TONE_MAP_ACES) {

@@ -22,6 +22,7 @@ pub mod determinism;
 pub mod dielectrics;
 pub mod diffuse_transmission;
 pub mod direct;
+pub mod display;
 pub mod edges;
 pub mod environment;
 pub mod equivalence;
@@ -220,6 +221,7 @@ macro_rules! whole_suite {
             lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
             views::{ v1_hand_filled_views_are_checked }
             blocks::{ films_of_blocks }
+            display::{ pictures_while_rendering_are_those_of_the_film }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,
                 wider_requirements_change_nothing, passes_merge, one_backend_renders_again, a_restart_is_a_fresh_start, s31_full_photon_buffers,

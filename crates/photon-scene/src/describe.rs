@@ -55,8 +55,8 @@ pub enum Surface {
         /// Share of metal, in `[0, 1]`.
         metallic: f64,
         /// Roughness, in `[0, 1]`: the square root of the width α of the distribution. Widths below 0.001 are rendered
-        /// as 0.001, which blurs reflections by 0.06 degrees; full metals of such widths as perfect mirrors with the reflectance
-        /// of metal.
+        /// as 0.001, which blurs reflections by 0.06 degrees; full metals of such widths reflect in the mirror direction
+        /// only, with a reflectance that rises to 1 at grazing angles.
         roughness: f64,
         /// Factor on the reflection of the coat, in `[0, 1]`; 0 leaves a diffuse surface, where there is no metal, and
         /// the same as [`Surface::Lambert`] without any metal.

@@ -115,7 +115,10 @@ impl Twin<'_> {
             let before = &scene.media[sides.before.current(&scene.media) as usize];
             power *= DVec3::from(before.absorption.map(|sigma| (-f64::from(sigma) * hit.t).exp()));
             let [choice, u, v, _] = sampler.words(BLOCK_SURFACES + bounce).map(|word| f64::from(unit_f32(word)));
-            let albedo = DVec3::from(material.albedo.map(f64::from));
+            let mut albedo = DVec3::from(material.albedo.map(f64::from));
+            if material.kind() == MaterialKind::Mirror {
+                albedo += (1.0 - albedo) * f64::from(material.metallic) * (1.0 - cosine).powi(5);
+            }
             let russian_roulette = |power: DVec3| {
                 let next = power * albedo;
                 let chance = next.max_element() / power.max_element();

@@ -1,7 +1,7 @@
 //! The picture as it is shown, made on the device: four bytes per pixel are copied instead of the sums.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Display, DisplayImage, Result};
+use photon_core::{Display, DisplayImage, Error, Result};
 
 use super::{GROUP, VulkanFilm, label};
 use crate::constants::FIRST_HITS;
@@ -32,10 +32,14 @@ pub(super) fn read(on: &mut Vulkan, film: &mut VulkanFilm, display: &Display, cl
     display.validate()?;
     let pixels = film.pixels();
     if film.shown.is_none() {
-        film.shown = Some(on.memory("film", pixels * 4).map_err(label)?);
+        film.shown = match on.memory("film", pixels * 4).map_err(label) {
+            // A picture on a screen must not end the render.
+            Err(Error::OutOfMemory { .. }) => None,
+            memory => Some(memory?),
+        };
         film.note(on);
     }
-    let Some(shown) = &film.shown else { return DisplayImage::new(film.width, film.height, film.passes, Vec::new()) };
+    let Some(shown) = &film.shown else { return Ok(super::read(on, film)?.display_clamped(display, clamp)) };
     let passes = f64::from(film.passes.max(1));
     let factor = film.units.radiance_to_user() / passes;
     let scale = f64::from(display.exposure.exp2());

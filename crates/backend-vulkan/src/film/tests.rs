@@ -136,7 +136,8 @@ fn the_shown_picture_is_that_of_the_film() {
     let mut film = VulkanFilm::new(&mut on, WIDTH, HEIGHT, units).unwrap();
     let queries = queries();
     let there = on.upload("queries", &queries).unwrap();
-    for (pass, layer) in [(0, Layer::Direct), (1, Layer::Indirect), (2, Layer::Direct)] {
+    let passes = [Layer::Direct, Layer::Indirect, Layer::Direct, Layer::Emission, Layer::Caustic];
+    for (pass, layer) in passes.into_iter().enumerate().map(|(pass, layer)| (pass as u32, layer)) {
         let mut values: Vec<[f32; 3]> = (0..queries.len() as u32).map(|i| number([i, pass, 9, 9])).collect();
         values[5] = [f32::NAN, 1e30, 0.5];
         values[9] = [f32::INFINITY, -1.0, 0.0];

@@ -28,7 +28,9 @@ impl ToneMap {
     #[must_use]
     pub fn map(self, exposure: f32, colour: [f32; 3]) -> [f32; 3] {
         let scale = exposure.exp2();
-        let [r, g, b] = colour.map(|c| if c.is_nan() { 0.0 } else { (c * scale).clamp(0.0, 1e30) });
+        // Of a scale beyond f32 and 0, or the other way round, the product is NaN too.
+        let exposed = colour.map(|c| c * scale);
+        let [r, g, b] = exposed.map(|c| if c.is_nan() { 0.0 } else { c.clamp(0.0, 1e30) });
         let mapped = match self {
             Self::None => [r, g, b],
             Self::Reinhard => {
@@ -119,7 +121,7 @@ mod tests {
     fn nonsense_gives_a_colour() {
         for curve in ToneMap::ALL {
             for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, f32::MAX] {
-                for c in curve.map(3.0, [bad, 0.5, bad]) {
+                for c in [3.0, 200.0, -200.0].into_iter().flat_map(|stops| curve.map(stops, [bad, 0.5, 0.0])) {
                     assert!((0.0..=1.0).contains(&c), "{curve:?} {bad}: {c}");
                 }
             }

@@ -179,6 +179,23 @@ mod tests {
         }
     }
 
+    /// Schlick 1994, equation 15: at the cosine 0.2, (1 − 0.2)⁵ = 0.32768.
+    #[test]
+    fn mirrors_of_metal_brighten_towards_grazing() {
+        let vacuum = MediumStack::VACUUM;
+        let interface =
+            Interface { eta: 1.0, before: vacuum, transmitted: vacuum, is_active: true, is_too_deep: false };
+        for (metallic, cosine, expected) in
+            [(0.0, 0.2, 0.5), (1.0, 0.2, 0.663_84), (1.0, 1.0, 0.5), (1.0, 0.0, 1.0), (0.5, 0.2, 0.581_92)]
+        {
+            let kind = MaterialKind::Mirror as u32;
+            let material = Material { kind, albedo: [0.5; 3], metallic, ..Material::default() };
+            let bsdf = Bsdf::new(Features::ALL, &material, cosine, &interface);
+            let found = bsdf.weight(bsdf.choose(0.5));
+            assert!((found - Vec3::splat(expected)).abs().max_element() < 1e-6, "{metallic} {cosine}: {found}");
+        }
+    }
+
     #[test]
     fn an_inactive_boundary_neither_bends_nor_tints() {
         let vacuum = MediumStack::VACUUM;

@@ -182,6 +182,12 @@ fn glossy_surfaces_become_diffuse() {
     assert_eq!(other.albedo, [0.25; 3]);
     let partly = paint("[materials.paint]\nspecular = 0\nmetallic = 0.5\n");
     assert_eq!((partly.kind, partly.metallic), (MaterialKind::Glossy as u32, 0.5));
+    // A smooth metal is a mirror whose reflectance rises; a perfect mirror is another kind, with a colour of its own.
+    let smooth = paint("[materials.paint]\nkind = \"glossy\"\nmetallic = 1\nroughness = 0\n");
+    let is_mirror = |it: &Material| it.kind == MaterialKind::Mirror as u32;
+    assert!(is_mirror(&smooth) && (smooth.metallic, smooth.albedo) == (1.0, [0.5, 0.25, 1.0]), "{smooth:?}");
+    let mirror = paint("[materials.paint]\nkind = \"mirror\"\n");
+    assert!(is_mirror(&mirror) && (mirror.metallic, mirror.albedo) == (0.0, [1.0; 3]), "{mirror:?}");
     // A grey specular colour is a refractive index, another one has a record.
     let grey = paint("[materials.paint]\nspecular_color = 4\n");
     assert!((grey.ior - 7.0 / 3.0).abs() < 1e-6 && grey.textures == 0, "{grey:?}");

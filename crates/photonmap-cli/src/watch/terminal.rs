@@ -58,13 +58,14 @@ fn half_blocks(picture: &DisplayImage, (columns, lines): (usize, usize)) -> Vec<
     let scale = (columns as f64 / width as f64).min(2.0 * lines as f64 / height as f64).min(1.0);
     let scaled = |size: usize| ((size as f64 * scale).round() as usize).max(1);
     let (wide, high) = (scaled(width).min(columns), scaled(height).min(2 * lines));
+    let linear: [f32; 256] = std::array::from_fn(|byte| decode_srgb(byte as f32 / 255.0));
     let pixel = |x: usize, y: usize| {
         let (x0, x1) = (x * width / wide, ((x + 1) * width / wide).max(x * width / wide + 1));
         let (y0, y1) = (y * height / high, ((y + 1) * height / high).max(y * height / high + 1));
         let mut sum = [0.0f32; 3];
         for row in y0..y1 {
             for value in &picture.pixels[row * width + x0..row * width + x1] {
-                (0..3).for_each(|c| sum[c] += decode_srgb(f32::from(value[c]) / 255.0));
+                (0..3).for_each(|c| sum[c] += linear[usize::from(value[c])]);
             }
         }
         sum.map(|sum| encode_srgb(sum / ((x1 - x0) * (y1 - y0)) as f32))

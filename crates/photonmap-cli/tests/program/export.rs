@@ -231,6 +231,9 @@ fn rough_metals_are_written_for_mitsuba() {
     let (text, warnings) = export(0.25);
     assert!(text.contains("<float name=\"alpha\" value=\"0.0625\"/>"), "{text}");
     assert!(!warnings.contains("multiple scattering"), "{warnings}");
+    let (text, warnings) = export(0.0);
+    assert!(text.contains("type=\"conductor\"><rgb name=\"eta\"") && !text.contains("roughconductor"), "{text}");
+    assert!(warnings.contains("material 'white' reflects by the Fresnel equations"), "{warnings}");
 }
 
 #[test]

@@ -7,8 +7,8 @@ use photon_core::{
     View,
 };
 use photon_scene::{
-    CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, Surface, TextureDesc, TextureRef, TexturesDesc,
-    shapes,
+    CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, TextureDesc, TextureRef,
+    TexturesDesc, shapes,
 };
 
 use crate::clearcoat::columns;
@@ -90,17 +90,21 @@ fn mean_of(film: &Film, layer: Layer) -> f64 {
     values.iter().flatten().map(|&c| f64::from(c)).sum::<f64>() / (3 * values.len()) as f64
 }
 
+/// A square light behind a pane, over `floor`, and the radiance that the camera sees by a quadrature.
+fn square_light_behind_a_pane(floor: Floor) -> (Scene, f64) {
+    let (o, i) = (towards(0.7, 0.3), towards(0.6, 3.0));
+    let corners = facing_the_origin(i * 1.4, 0.4);
+    let mut builder = before_a_pane(floor, o, MaterialDesc::thin("pane", 1.5));
+    add_light(&mut builder, corners);
+    (builder.build().unwrap(), reflected(floor, o, corners, |i| through_a_pane(-i.x)))
+}
+
 /// A square light behind a pane, over metals and black plastic: the same radiance from photons and by camera paths, against a
 /// quadrature, and in one layer alone.
 pub fn area_light_behind_a_pane<T: TestBackend>() {
     for (k, (alpha, metallic, color)) in [(0.3, 1.0, 0.8), (0.5, 1.0, 0.4), (0.35, 0.0, 0.0)].into_iter().enumerate() {
         let floor = Floor { alpha, metallic, color };
-        let (o, i) = (towards(0.7, 0.3), towards(0.6, 3.0));
-        let corners = facing_the_origin(i * 1.4, 0.4);
-        let mut builder = before_a_pane(floor, o, MaterialDesc::thin("pane", 1.5));
-        add_light(&mut builder, corners);
-        let scene = builder.build().unwrap();
-        let truth = reflected(floor, o, corners, |i| through_a_pane(-i.x));
+        let (scene, truth) = square_light_behind_a_pane(floor);
         for (least, stored) in [(None, false), (Some(0.9), false), (Some(0.2), true), (Some(alpha.sqrt() as f32), true)]
         {
             let (mut settings, size) = of_paths_or_photons(least, stored);
@@ -289,12 +293,7 @@ pub fn all_values_have_the_same_expectation<T: TestBackend>() {
 /// stages are refused.
 pub fn counting_twice_is_seen<T: TestBackend>() {
     let floor = Floor { alpha: 0.4, metallic: 1.0, color: 0.8 };
-    let (o, i) = (towards(0.7, 0.3), towards(0.6, 3.0));
-    let corners = facing_the_origin(i * 1.4, 0.4);
-    let mut builder = before_a_pane(floor, o, MaterialDesc::thin("pane", 1.5));
-    add_light(&mut builder, corners);
-    let scene = builder.build().unwrap();
-    let truth = reflected(floor, o, corners, |i| through_a_pane(-i.x));
+    let (scene, truth) = square_light_behind_a_pane(floor);
     let [on, off] = [Some(0.5), None].map(settings);
     let required = Requirements::of(&scene.view(), &on);
     let mixed = |with_paths: bool, with_photons: bool| {

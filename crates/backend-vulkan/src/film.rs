@@ -154,6 +154,11 @@ impl VulkanFilm {
         Ok(address)
     }
 
+    /// Bit mask of the layers that exist.
+    fn layer_bits(&self) -> u32 {
+        (0..4).filter(|&i| self.layers[i].is_some()).fold(0, |bits, i| bits | 1 << i)
+    }
+
     /// Address of a scratch buffer of three floats for each of `count` queries.
     pub(crate) fn values_address(&mut self, on: &mut Vulkan, count: u64) -> Result<u64> {
         if let Some(values) = self.values.as_ref().filter(|values| values.bytes() >= count * 12) {
@@ -252,8 +257,7 @@ pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
         pixels: film.pixels() as u32,
         padding: 0,
     };
-    let layers = (0..4).filter(|&i| film.layers[i].is_some()).fold(0, |bits, i| bits | 1 << i);
-    let kernel = on.kernel(&shaders::FILM_END, GROUP, &EndConstants { layers })?;
+    let kernel = on.kernel(&shaders::FILM_END, GROUP, &EndConstants { layers: film.layer_bits() })?;
     on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))?;
     errors::end_pass(on, film)?;
     film.passes += 1;

@@ -55,7 +55,7 @@ pub(super) fn read(on: &mut Vulkan, film: &mut VulkanFilm, display: &Display, cl
         inverse_passes: (1.0 / passes) as f32,
     };
     let constants = DisplayConstants {
-        layers: (0..4).filter(|&i| film.layers[i].is_some()).fold(0, |bits, i| bits | 1 << i),
+        layers: film.layer_bits(),
         curve: display.tone_map as u32,
         is_transparent: display.transparent,
         is_clamped: clamp,

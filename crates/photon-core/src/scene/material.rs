@@ -67,8 +67,8 @@ impl MaterialKind {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Material {
-    /// Lambert: albedo. Mirror: reflectance at normal incidence. Dielectric: tint of transmitted light. Glossy: base colour, the albedo of
-    /// the base and the reflectance of the metal. In `[0, 1]`, linear RGB.
+    /// Lambert: albedo. Mirror: reflectance at normal incidence. Dielectric: tint of transmitted light. Glossy: base
+    /// colour, the albedo of the base and the reflectance of the metal. In `[0, 1]`, linear RGB.
     pub albedo: [f32; 3],
     /// Number of a [`MaterialKind`]; see [`Material::kind`].
     pub kind: u32,

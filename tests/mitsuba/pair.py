@@ -37,6 +37,18 @@ def sensor(mi, origin, target, fov):
     return {"type": "perspective", "fov": fov, "fov_axis": "y", "to_world": to_world, "film": film}
 
 
+def write_meshes(folder, parts):
+    """scene.obj of all `parts`, and NAME.obj of each: pairs of points and of faces, lists of numbers from 1 on."""
+    whole, base = [], 0
+    for name, (points, faces) in parts.items():
+        lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in points]
+        alone = lines + ["f " + " ".join(map(str, face)) for face in faces]
+        (folder / f"{name}.obj").write_text("\n".join(alone) + "\n")
+        whole += [f"usemtl {name}", *lines, *("f " + " ".join(str(base + i) for i in face) for face in faces)]
+        base += len(points)
+    (folder / "scene.obj").write_text("\n".join(whole) + "\n")
+
+
 def write_overrides(args, materials, sky, eye, target, fov):
     """scene.toml: tables of materials by name, an even sky, and a camera."""
     lines = ["[materials]", *(f"{name} = {material}" for name, material in materials.items())]
@@ -57,9 +69,9 @@ def scene_of_meshes(args, mi, bsdfs, light, sky, eye, target, fov):
     return mi.load_dict(scene)
 
 
-def render(args, scene, mi, name="scene.obj"):
+def render(args, scene, mi, name="scene.obj", integrator="path"):
     """Pictures of the folder's file `name` with scene.toml by photonmap, and of `scene` by Mitsuba."""
-    path = mi.load_dict({"type": "path", "max_depth": -1, "rr_depth": 32})
+    path = mi.load_dict({"type": integrator, "max_depth": -1, "rr_depth": 32})
     ours, theirs = [], []
     for seed in range(args.runs):
         theirs.append(np.array(mi.render(scene, integrator=path, spp=args.samples, seed=seed), dtype=np.float64))

@@ -26,14 +26,7 @@ def write_meshes(folder):
         "floor": ([(-3, 0, 3), (3, 0, 3), (3, 0, -3), (-3, 0, -3)], [[1, 2, 3], [1, 3, 4]]),
         "light": ([(-1.2, 2, -0.5), (-0.4, 2, -0.5), (-0.4, 2, 0.3), (-1.2, 2, 0.3)], [[1, 2, 3], [1, 3, 4]]),
     }
-    whole, base = [], 0
-    for name, (points, triangles) in parts.items():
-        lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in points]
-        alone = lines + ["f " + " ".join(map(str, face)) for face in triangles]
-        (folder / f"{name}.obj").write_text("\n".join(alone) + "\n")
-        whole += [f"usemtl {name}", *lines, *("f " + " ".join(str(base + i) for i in face) for face in triangles)]
-        base += len(points)
-    (folder / "scene.obj").write_text("\n".join(whole) + "\n")
+    pair.write_meshes(folder, parts)
 
 
 def main():

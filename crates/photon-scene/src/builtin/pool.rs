@@ -1,9 +1,12 @@
 //! A swimming pool in sunlight.
 
+use std::collections::BTreeMap;
+
 use super::add;
 use crate::builder::{MaterialId, SceneBuilder};
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Surface};
-use crate::shapes::{grid, height_field, icosphere};
+use crate::mesh::VertexAttributes;
+use crate::shapes::{Shape, grid, height_field, icosphere};
 
 /// Half the length of the pool's square basin.
 const HALF: f64 = 2.0;
@@ -14,8 +17,8 @@ const LEVEL: f64 = -0.12;
 const DECK: f64 = 1.2;
 /// Edge length of a tile.
 const TILE: f64 = 0.25;
-/// Grid cells of the water's surface along each side; the shortest wave spans 40.
-const CELLS: u32 = 512;
+/// Grid cells of the water's surface along each side; the shortest wave spans 20.
+const CELLS: u32 = 256;
 
 /// Wave vectors (radians per metre, in x and z), amplitudes and phases of the waves.
 ///
@@ -35,6 +38,34 @@ const WAVES: [([f64; 2], f64, f64); 8] = [
 /// Height of the water above `LEVEL`.
 fn wave(x: f64, z: f64) -> f64 {
     WAVES.iter().map(|&([kx, kz], amplitude, phase)| amplitude * libm::sin(kx * x + kz * z + phase)).sum()
+}
+
+/// Normal of the water's surface, upwards, of any length.
+fn normal(x: f64, z: f64) -> [f64; 3] {
+    let slope = |axis: usize| -> f64 {
+        WAVES.iter().map(|&(k, amplitude, phase)| amplitude * k[axis] * libm::cos(k[0] * x + k[1] * z + phase)).sum()
+    };
+    [-slope(0), 1.0, -slope(1)]
+}
+
+/// Adds the water: its surface with the normals of the waves, then its sides and bottom, as two meshes of one solid. Flat
+/// triangles would each refract the sun as a plane, and show as a net of dark and bright lines on the floor.
+fn water(scene: &mut SceneBuilder, body: Shape, material: MaterialId) {
+    let (mut positions, mut triangles) = body;
+    let rest = triangles.split_off(2 * (CELLS * CELLS) as usize);
+    let mut numbers = BTreeMap::new();
+    let mut places = Vec::new();
+    let mut number = |vertex: u32| {
+        *numbers.entry(vertex).or_insert_with(|| {
+            places.push(positions[vertex as usize]);
+            places.len() as u32 - 1
+        })
+    };
+    let rest = rest.into_iter().map(|corners| corners.map(&mut number)).collect();
+    positions.truncate(((CELLS + 1) * (CELLS + 1)) as usize);
+    let normals = positions.iter().map(|&[x, _, z]| normal(x, z)).collect();
+    scene.mesh_with("water", positions, triangles, VertexAttributes::default().with_normals(normals), material);
+    add(scene, "water below", (places, rest), material);
 }
 
 /// A tiled basin of water with waves, seen from the deck.
@@ -76,7 +107,7 @@ pub(super) fn pool() -> SceneBuilder {
     let (beyond, below) = (h + 0.1, -DEPTH - 0.1);
     let surface = |x, z| LEVEL + wave(x, z);
     let body = height_field([-beyond; 2], [beyond; 2], [CELLS; 2], below, surface);
-    add(&mut scene, "water", body, water);
+    self::water(&mut scene, body, water);
     add(&mut scene, "ball", icosphere(5, [0.75, -DEPTH + 0.28, 0.35], 0.28), ball);
 
     let sun = [0.45, -1.0, -0.22];
@@ -125,7 +156,7 @@ mod tests {
         let shortest =
             WAVES.iter().map(|([kx, kz], ..)| std::f64::consts::TAU / kx.hypot(*kz)).fold(f64::MAX, f64::min);
         let cells = shortest / (2.0 * (HALF + 0.1) / f64::from(CELLS));
-        assert!(cells > 40.0, "{cells} cells in the shortest wave");
+        assert!(cells > 20.0, "{cells} cells in the shortest wave");
     }
 
     #[test]

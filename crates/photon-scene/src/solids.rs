@@ -1,7 +1,7 @@
 //! Checks that refracting solids are closed and face outwards.
 
 use crate::describe::MaterialDesc;
-use crate::edges::{open_edges, open_edges_of};
+use crate::edges::{open_edges, unmatched_edges};
 use crate::normalise::Geometry;
 use glam::{DVec3, Vec3};
 
@@ -20,11 +20,9 @@ pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &m
         let at = |vertex: u32| Vec3::from_array(geometry.positions[vertex as usize]);
         let triangles = || own.iter().map(|corners| corners.map(at));
         let name = &material.name;
-        // Edges that cancel still do so where their vertices are the same as others.
-        let open = match open_edges_of(geometry.positions.len(), &own) {
-            0 => 0,
-            _ => open_edges(triangles().map(|corners| corners.map(place))),
-        };
+        // Edges that match by index do so by place; the others may, if vertices are listed several times.
+        let unmatched = unmatched_edges(geometry.positions.len(), &own);
+        let open = open_edges(unmatched.into_iter().map(|(from, to)| (place(at(from)), place(at(to)))));
         if open > 0 {
             warnings.push(format!(
                 "the solid glass '{name}' is not closed: {open} edges have a triangle on one side only; light that \

@@ -42,10 +42,10 @@ fn wave(x: f64, z: f64) -> f64 {
 
 /// Normal of the water's surface, upwards, of any length.
 fn normal(x: f64, z: f64) -> [f64; 3] {
-    let slope = |axis: usize| -> f64 {
-        WAVES.iter().map(|&(k, amplitude, phase)| amplitude * k[axis] * libm::cos(k[0] * x + k[1] * z + phase)).sum()
-    };
-    [-slope(0), 1.0, -slope(1)]
+    WAVES.iter().fold([0.0, 1.0, 0.0], |[nx, ny, nz], &([kx, kz], amplitude, phase)| {
+        let slope = amplitude * libm::cos(kx * x + kz * z + phase);
+        [nx - kx * slope, ny, nz - kz * slope]
+    })
 }
 
 /// Adds the water: its surface with the normals of the waves, then its sides and bottom, as two meshes of one solid. Flat

@@ -59,7 +59,7 @@ pub fn volume(shape: &Shape) -> f64 {
 /// Number of directed edges without a counterpart in the opposite direction; 0 for a closed shape.
 #[must_use]
 pub fn open_edges(shape: &Shape) -> usize {
-    edges::open_edges(shape.1.iter().copied())
+    edges::open_edges(edges::edges_of(shape.1.iter().copied()))
 }
 
 fn corners((positions, triangles): &Shape) -> impl Iterator<Item = [DVec3; 3]> {

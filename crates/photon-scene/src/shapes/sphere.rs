@@ -2,7 +2,6 @@
 
 use super::{Shape, revolve, translate};
 use glam::DVec3;
-use std::collections::HashMap;
 use std::f64::consts::PI;
 
 /// More would exceed the memory of most machines: 20 million triangles.
@@ -14,15 +13,22 @@ const MAX_SUBDIVISIONS: u32 = 10;
 pub fn icosphere(subdivision: u32, center: [f64; 3], radius: f64) -> Shape {
     let (mut points, mut triangles) = icosahedron();
     for _ in 0..subdivision.min(MAX_SUBDIVISIONS) {
-        let mut middles = HashMap::with_capacity(triangles.len() * 3 / 2);
+        // For each vertex its neighbours of greater number, at most 6, with the middle of the edge to them.
+        let mut middles = vec![[(u32::MAX, 0); 6]; points.len()];
         let mut finer = Vec::with_capacity(triangles.len() * 4);
         for [a, b, c] in triangles {
-            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to): (u32, u32)| {
                 // The triangle on the other side of the edge looks up the same vertex.
-                *middles.entry((from.min(to), from.max(to))).or_insert_with(|| {
-                    points.push((points[from as usize] + points[to as usize]).normalize_or_zero());
-                    points.len() as u32 - 1
-                })
+                for (neighbour, middle) in &mut middles[from.min(to) as usize] {
+                    if *neighbour == u32::MAX {
+                        points.push((points[from as usize] + points[to as usize]).normalize_or_zero());
+                        (*neighbour, *middle) = (from.max(to), points.len() as u32 - 1);
+                    }
+                    if *neighbour == from.max(to) {
+                        return *middle;
+                    }
+                }
+                unreachable!("vertices of an icosphere have at most 6 neighbours")
             });
             finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
         }

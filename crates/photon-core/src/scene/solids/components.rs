@@ -44,8 +44,8 @@ fn components(
         }
         if by_place {
             let place = |vertex: u32| scene.positions[vertex as usize].map(|x| (x + 0.0).to_bits());
-            let mut places: Vec<([u32; 3], u32)> =
-                triangles().flat_map(|(_, corners)| corners.map(|vertex| (place(vertex), vertex))).collect();
+            let used = (0..parents.len() as u32).filter(|&vertex| parents[vertex as usize] != u32::MAX);
+            let mut places: Vec<([u32; 3], u32)> = used.map(|vertex| (place(vertex), vertex)).collect();
             places.sort_unstable();
             for pair in places.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
                 unite(parents, pair[0].1, pair[1].1);

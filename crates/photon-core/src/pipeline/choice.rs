@@ -40,6 +40,8 @@ pub struct Choice {
     pub bandwidth: Bandwidth,
     /// All that were compared, by increasing error, with one radius for each map.
     pub candidates: Vec<Candidate>,
+    /// Seconds of a pass until its photon maps are built.
+    pub photon_seconds: f64,
 }
 
 /// What may be chosen.
@@ -104,7 +106,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let result = self.compare(scene, seconds, open);
         (self.view, self.settings.seed) = (whole, seed);
         self.recover()?;
-        let candidates = result?;
+        let (candidates, photon_seconds) = result?;
         let least = |area: Area| candidates.iter().find(|candidate| candidate.area == area);
         let best = match (least(Area::Surface), least(Area::Disc)) {
             (Some(surface), Some(disc)) if disc.error > CLEARLY_LESS * surface.error => surface,
@@ -115,7 +117,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let many = open.bandwidth && seconds > PASSES_PER_PIXEL * best.seconds;
         let (bandwidth, radius_factor) =
             if many { (Bandwidth::PerPixel, 1.0) } else { (self.settings.bandwidth, best.radius_factor) };
-        let choice = Choice { area: best.area, radius_factor, bandwidth, candidates };
+        let choice = Choice { area: best.area, radius_factor, bandwidth, candidates, photon_seconds };
         self.take_choice(scene, &choice)?;
         Ok(Some(choice))
     }
@@ -144,7 +146,8 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    fn compare(&mut self, scene: &SceneView<'_>, seconds: f64, open: Open) -> Result<Vec<Candidate>> {
+    /// The candidates by increasing error, and the seconds of a pass for its photons.
+    fn compare(&mut self, scene: &SceneView<'_>, seconds: f64, open: Open) -> Result<(Vec<Candidate>, f64)> {
         let whole = self.view;
         let reduced = |length: u32| (length / REDUCTION).max(LEAST).min(length);
         let small = View { width: reduced(whole.width), height: reduced(whole.height), ..whole };
@@ -189,7 +192,7 @@ impl<B: TransportBackend> Pipeline<B> {
             photons = timed.photons;
             trials.iter_mut().zip(timed.shown).for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);
         }
-        let Some(least) = trials.first() else { return Ok(Vec::new()) };
+        let Some(least) = trials.first() else { return Ok((Vec::new(), photons)) };
         let weights = weights(least, &others);
         let mut candidates = Vec::new();
         for &area in areas {
@@ -201,6 +204,6 @@ impl<B: TransportBackend> Pipeline<B> {
             }));
         }
         candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
-        Ok(candidates)
+        Ok((candidates, photons))
     }
 }

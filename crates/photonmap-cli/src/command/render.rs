@@ -302,9 +302,9 @@ fn chosen_pipeline<B: TransportBackend>(
     let (on, chosen) = photon_share::choose(on, args, scene, within)?;
     let trials = trying.elapsed();
     let chosen = timed::fewer_paths(args, scene, chosen);
-    let mut renderer = Pipeline::new(on, &scene.view(), view, chosen.clone())?;
+    let renderer = Pipeline::new(on, &scene.view(), view, chosen.clone())?;
     let trying = Instant::now();
-    let chosen = timed::choose(&mut renderer, (args, begun), scene, chosen)?;
+    let (renderer, chosen) = timed::choose(renderer, (args, begun), (scene, view), chosen)?;
     let trials = trials + trying.elapsed();
     *settings = Settings { memory: settings.memory, ..chosen };
     Ok((Box::new(renderer), trials.as_secs_f64()))

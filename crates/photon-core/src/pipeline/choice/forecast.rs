@@ -36,6 +36,9 @@ impl Curve {
     }
 }
 
+/// The largest squared relative bias of a pixel that counts.
+const MOST: f64 = 1.0;
+
 /// Squared relative errors of one kind of areas.
 pub(super) struct Model {
     /// The variance that does not depend on photons.
@@ -63,9 +66,11 @@ impl Model {
         };
         // Of one pass: half of the squared difference of two.
         let variance = |[one, two]: &[Vec<f64>; 2]| mean(&|i| 0.5 * (one[i] - two[i]).powi(2));
-        // The noise of two passes is independent: that of the product has the mean 0.
+        // The noise of two passes is independent: that of the product has the mean 0. A visible point at the rim of a surface,
+        // whose area there is a small part of the disc, may be many times too bright: one of thousands that a pixel averages over.
         let [one, two] = &least.passes;
-        let difference = |trial: &Trial| mean(&|i| (trial.passes[0][i] - one[i]) * (trial.passes[1][i] - two[i]));
+        let product = |trial: &Trial, i: usize| (trial.passes[0][i] - one[i]) * (trial.passes[1][i] - two[i]);
+        let difference = |trial: &Trial| mean(&|i| product(trial, i).clamp(-MOST / weights[i], MOST / weights[i]));
         let positive = |of: &dyn Fn(&Trial) -> f64| {
             trials.iter().map(|trial| [trial.factor, of(trial).max(f64::MIN_POSITIVE)]).collect::<Vec<_>>()
         };
@@ -183,6 +188,24 @@ mod tests {
             let z = (error - expected) / standard_error;
             assert!(z.abs() < 4.5, "{factor}: {error} for {expected}, z = {z}");
         }
+    }
+
+    /// A single point that is thirty times too bright does not decide.
+    #[test]
+    fn outliers_of_the_bias_are_limited() {
+        let flat = [0.7, 1.4].map(|factor| Trial {
+            passes: [vec![1.0; PIXELS], vec![1.0; PIXELS]],
+            ..trial(Area::Surface, factor, 0.0, 0)
+        });
+        let [least, mut trial] = flat;
+        trial.passes.iter_mut().for_each(|pass| pass[7] = 30.0);
+        let trials = [least, trial];
+        let all: Vec<&Trial> = trials.iter().collect();
+        let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
+        let model = Model::new(&all, &trials[0], &none, &vec![1.0; PIXELS], 0.75, 1.0);
+        // Half of the bias is assumed to be common to both trials. Without the limit it would be 29² times as much.
+        let [_, error] = model.forecast(1.4, 1e9);
+        assert!((error * PIXELS as f64 / (4.0 * MOST) - 1.0).abs() < 1e-6, "{error}");
     }
 
     /// More passes make the larger radius worse than the smaller one: its bias remains.

@@ -114,9 +114,9 @@ pub struct BudgetArgs {
     /// Time limit in seconds, from start to finished file.
     ///
     /// Passes are rendered until the time is used up. Unless --preset, --passes or a target is given, --area, --radius-factor
-    /// and --bandwidth are chosen by trials in the scene, and --photons is one per pixel if that is less than without a time.
-    /// Under an environment it is two per pixel, or a quarter if photons bring little of the light. With --errors, --area and
-    /// --bandwidth are those of the preset `final`, and --photons is two per pixel.
+    /// and --bandwidth are chosen by trials in the scene, and --photons is one per pixel if that is less than without a time, or
+    /// up to two where hundreds of passes fit. Under an environment it is two per pixel, or a quarter if photons bring little
+    /// of the light. With --errors, --area and --bandwidth are those of the preset `final`, and --photons is two per pixel.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Stop at this relative error, such as 0.05.

@@ -75,11 +75,15 @@ const MANY_PASSES: f64 = 200.0;
 /// as many. At most two per pixel; `None` if that is less than 1.5 times those of now.
 fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
     let best = choice.candidates.iter().find(|candidate| candidate.area == choice.area)?;
-    let for_photons = seconds / MANY_PASSES - (best.seconds - choice.photon_seconds).max(0.0);
-    // Time grows at most in proportion.
-    let most = f64::from(photons) * for_photons / choice.photon_seconds.max(1e-6);
-    let paths = most.min(2.0 * f64::from(pixels)) as u32;
+    let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
+    let paths = affordable(photons, parts, seconds).min(2.0 * f64::from(pixels)) as u32;
     (choice.bandwidth == Bandwidth::PerPixel && f64::from(paths) >= 1.5 * f64::from(photons)).then_some(paths)
+}
+
+/// The paths with which [`MANY_PASSES`] fit if those of now take the first of these seconds of a pass, and in proportion; what
+/// else a pass does takes the second.
+fn affordable(photons: u32, [for_photons, rest]: [f64; 2], seconds: f64) -> f64 {
+    f64::from(photons) * (seconds / MANY_PASSES - rest.max(0.0)).max(0.0) / for_photons.max(1e-6)
 }
 
 /// The choice as options, and what it and the best with the other kind of areas are expected to give.
@@ -96,4 +100,20 @@ fn text(choice: &Choice, photons: u32) -> String {
         choice.bandwidth.name(),
         errors.join(", ")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_as_many_as_leave_many_passes() {
+        // 200 passes in 10 s are 50 ms each; 5 for what is not photons leave nine times the 5 that those of now take.
+        let paths = affordable(100_000, [0.005, 0.005], 10.0);
+        assert!((paths - 900_000.0).abs() < 1.0, "{paths}");
+        // What is not photons takes all of a pass.
+        assert_eq!(affordable(100_000, [0.005, 0.02], 2.0), 0.0);
+        assert_eq!(affordable(100_000, [0.005, 0.005], 0.0), 0.0);
+        assert!(affordable(100_000, [0.0, 0.0], 1.0).is_finite());
+    }
 }

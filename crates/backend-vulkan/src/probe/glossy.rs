@@ -11,7 +11,7 @@ use photon_scene::{MaterialDesc, Scene, SceneBuilder};
 use super::compare::Bound;
 use super::draw::{Draw, input};
 use super::table::{Row, output};
-use super::{Input, Output, run_row, worst_of};
+use super::{Input, Output, run_row, words_of, worst_of};
 use crate::scene::VulkanScene;
 use crate::{Vulkan, shaders};
 
@@ -29,6 +29,12 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     scene.light("point", photon_scene::LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [1.0; 3] });
     scene.build().unwrap()
 });
+
+/// The plate on a device.
+pub(super) fn scene(on: &mut Vulkan) -> VulkanScene {
+    let view = SCENE.view();
+    VulkanScene::new(on, &view, &Requirements::of(&view, &Settings::default())).unwrap()
+}
 
 /// The functions, their twins and their bounds.
 pub(super) fn rows() -> Vec<Row> {
@@ -260,9 +266,8 @@ fn drawn_from(i: &Input, glossy: &Glossy, u: f32) -> Output {
 #[test]
 fn glossy_surfaces_are_those_of_rust() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let view = SCENE.view();
-    let scene = VulkanScene::new(&mut on, &view, &Requirements::of(&view, &Settings::default())).unwrap();
-    let address = [scene.address() as u32, (scene.address() >> 32) as u32];
+    let scene = scene(&mut on);
+    let address = words_of(scene.address());
     for mut row in rows() {
         let (inputs, outputs) = run_row(&mut on, &row, &address);
         let share = worst_of(&mut on, &row, &inputs, &outputs).unwrap();

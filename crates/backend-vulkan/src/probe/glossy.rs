@@ -15,7 +15,7 @@ use super::{Input, Output, run_row, words_of, worst_of};
 use crate::scene::VulkanScene;
 use crate::{Vulkan, shaders};
 
-const NORMAL: Vec3 = Vec3::new(0.48, 0.6, -0.64);
+pub(super) const NORMAL: Vec3 = Vec3::new(0.48, 0.6, -0.64);
 const GEOMETRIC: Vec3 = Vec3::new(0.6, 0.48, -0.64);
 
 /// A plate of a metal; roughness and share of metal are those of each input.
@@ -150,7 +150,7 @@ fn material(i: &Input) -> Material {
 }
 
 /// A specular colour that depends on the share of metal, white for one of three; half of them with a clearcoat.
-fn layers(i: &Input) -> Layers {
+pub(super) fn layers(i: &Input) -> Layers {
     let part = i.float(7);
     let clearcoat = if i.float(9) < 0.5 { 0.0 } else { 0.8 };
     Layers::default().with_specular_color(Vec3::new(1.0, 1.0 - part, 1.0 + 30.0 * part)).with_clearcoat(clearcoat, 0.3)
@@ -234,7 +234,7 @@ fn at_horizon(i: &Input) -> f64 {
     1.0 + 0.03 * f64::from(slope)
 }
 
-fn evaluated(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {
+pub(super) fn evaluated(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {
     value(i, &glossy(i, layers), wo, wi)
 }
 

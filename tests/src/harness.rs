@@ -209,22 +209,6 @@ pub fn per_pass<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32,
         .collect()
 }
 
-/// The red channel of each pixel in each pass, by pixel.
-pub fn per_pass_by_pixel<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32, size: u32) -> Vec<Vec<f64>> {
-    let mut renderer = renderer::<T>(scene, settings, size);
-    let mut before = vec![0.0; (size * size) as usize];
-    let mut values = vec![Vec::new(); before.len()];
-    for pass in 0..passes {
-        renderer.pass(pass, &mut ()).unwrap();
-        let beauty = renderer.film().unwrap().beauty();
-        for ((pixel, before), values) in beauty.iter().zip(&mut before).zip(&mut values) {
-            let sum = f64::from(pixel[0]) * f64::from(pass + 1);
-            values.push(sum - std::mem::replace(before, sum));
-        }
-    }
-    values
-}
-
 /// Adds a camera that looks perpendicularly at a small square of half side `half` around `point`, from distance
 /// `away` along `normal`.
 pub fn look_at_point(builder: &mut SceneBuilder, point: [f64; 3], normal: [f64; 3], away: f64, half: f64) {

@@ -200,14 +200,13 @@ macro_rules! whole_suite {
             rough_glass::{ g4_white_furnace, light_behind_a_boundary, g5_closed_room }
             rough_glass_photons::{
                 g6_photons_through_a_boundary, v1_seen_through_sheets_around_the_threshold,
-                v1_furnace_of_sheets_around_the_threshold,
             }
             furnace_pixels::{ g4_every_pixel }
             narrow_estimates::{ g7_variance_of_narrow_reflections }
             bright_texels::{ v6_claims_under_a_bright_texel, v13_power_of_odd_environments }
             odd_normals::{ v12_bad_vertex_normals, v12_bad_normal_maps }
             texture_limits::{ g8_textured_floor_under_an_even_sky, v11_extreme_transforms }
-            everything::{ v16_sizes, v16_threads_and_requirements }
+            everything::{ v16_sizes_and_requirements }
             textures::{
                 g8_textured_floor, g8_textured_floor_by_photons, v9_16384_squared, g13_ramp_light, two_coloured_light, vertex_colours,
             }

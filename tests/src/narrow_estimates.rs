@@ -67,7 +67,8 @@ pub fn g7_variance_of_narrow_reflections<T: TestBackend>() {
         let kappa = mean * mean / square;
         let (kind, roughness) = (MaterialKind::Glossy as u32, alpha.sqrt() as f32);
         let albedo = [color as f32; 3];
-        let material = Material { kind, albedo, metallic: 1.0, roughness, specular: 1.0, ior: 1.5, ..Material::default() };
+        let material =
+            Material { kind, albedo, metallic: 1.0, roughness, specular: 1.0, ior: 1.5, ..Material::default() };
         let (words, factor) = ReflectionLobe::pack(&material, &Layers::default());
         let (photons, centres) = photons(k, &mut uniform);
         let queries: Vec<Query> = centres

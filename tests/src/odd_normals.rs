@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 
 use photon_core::{Direct, EnvironmentMap, Filter, Settings};
-use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc, VertexAttributes};
+use photon_scene::{
+    LightDesc, MaterialDesc, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc, VertexAttributes,
+};
 
 use crate::harness::{TestBackend, direct_settings, look_at_point, per_pass};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
@@ -46,11 +48,7 @@ pub fn v12_bad_vertex_normals<T: TestBackend>() {
 /// V12: normal maps of the texel 0, of one that points backwards, and with a scale of 1000: under an even sky the picture is
 /// finite, not brighter than that of the plain surface, and the same by shadow rays and photons.
 pub fn v12_bad_normal_maps<T: TestBackend>() {
-    for (texel, scale) in [
-        ([0, 0, 0, 255], 1.0),
-        ([128, 128, 20, 255], 1.0),
-        ([131, 128, 255, 255], 1000.0),
-    ] {
+    for (texel, scale) in [([0, 0, 0, 255], 1.0), ([128, 128, 20, 255], 1.0), ([131, 128, 255, 255], 1000.0)] {
         let mut builder = SceneBuilder::new();
         let map = TextureDesc::linear8("bad", 1, 1, &[texel]).filtered(Filter::Nearest);
         let map = builder.texture(map);

@@ -24,7 +24,8 @@ pub fn g6_photons_through_a_boundary<T: TestBackend>() {
     for (alpha, share) in [(0.25_f64, 0.9382), (1.0, 0.9493)] {
         for from_inside in [false, true] {
             let mut builder = SceneBuilder::new();
-            let surface = Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3], roughness: alpha.sqrt() };
+            let surface =
+                Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3], roughness: alpha.sqrt() };
             let glass = builder.material(MaterialDesc::new("glass", surface));
             let (positions, triangles) = shapes::cuboid([-HALF, -0.1, -HALF], [HALF, 0.0, HALF]);
             builder.mesh("glass", positions, triangles, glass);

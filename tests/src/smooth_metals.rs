@@ -9,9 +9,9 @@ use photon_scene::{
     TextureRef, TexturesDesc, VertexAttributes, shapes,
 };
 
-use crate::{closed_room, rough_glass_photons};
 use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, trace};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
+use crate::{closed_room, rough_glass_photons};
 
 /// A metal of reflectance 1 and the width `alpha`.
 fn metal(alpha: f64) -> MaterialDesc {

@@ -100,7 +100,8 @@ fn reflected_directions_have_their_density() {
         for cosine in [0.9_f32, 0.3] {
             let metal = |alpha: f32| {
                 let (kind, metallic, roughness) = (MaterialKind::Glossy as u32, 1.0, alpha.sqrt());
-                let material = Material { kind, albedo: [0.9; 3], metallic, roughness, ior: 1.5, ..Material::default() };
+                let material =
+                    Material { kind, albedo: [0.9; 3], metallic, roughness, ior: 1.5, ..Material::default() };
                 Glossy::new(&material, &Layers::NONE, cosine)
             };
             let (wo, found, other) = (towards(cosine), metal(alpha), metal(0.9 * alpha));

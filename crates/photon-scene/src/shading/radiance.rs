@@ -54,18 +54,7 @@ fn extent(places: [DVec2; 3], level: &Level) -> f64 {
     (longest * size).max_element()
 }
 
-/// Points of a part, as shares of its edges, of equal weight. Where the filter is linear, the texture is a quadratic function
-/// within an aligned part, for which three points are exact; else it is constant, and the centroid is.
-fn points(filter: Filter) -> &'static [[f64; 2]] {
-    const NEAR: f64 = 1.0 / 6.0;
-    const FAR: f64 = 2.0 / 3.0;
-    match filter {
-        Filter::Linear => &[[NEAR, NEAR], [FAR, NEAR], [NEAR, FAR]],
-        _ => &[[1.0 / 3.0, 1.0 / 3.0]],
-    }
-}
-
-/// The mean over a triangle: points of parts half a texel wide, of the finest level for which they are not too many.
+/// The mean over a triangle: centroids of parts half a texel wide, of the finest level for which they are not too many.
 fn mean(pyramid: &Pyramid, image: &Texture, places: [DVec2; 3], max_parts: f64) -> DVec3 {
     let fits = |level: &&Level| 2.0 * extent(places, level) <= max_parts;
     let last = pyramid.levels.len() - 1;
@@ -76,24 +65,20 @@ fn mean(pyramid: &Pyramid, image: &Texture, places: [DVec2; 3], max_parts: f64) 
     let parts = (2.0 * extent(places, level)).ceil().clamp(1.0, max_parts) as usize;
     let step = 1.0 / parts as f64;
     let [a, b, c] = places;
-    let points = points(filter);
     let mut sum = DVec3::ZERO;
     for row in 0..parts {
         for column in 0..parts - row {
-            // The part, and the reversed one beside it.
-            for reversed in [false, true] {
-                if reversed && row + column + 1 >= parts {
+            // The centroid of the part, and of the reversed one beside it.
+            for third in [1.0 / 3.0, 2.0 / 3.0] {
+                if third > 0.5 && row + column + 1 >= parts {
                     continue;
                 }
-                for &[s, t] in points {
-                    let [s, t] = if reversed { [1.0 - s, 1.0 - t] } else { [s, t] };
-                    let (s, t) = ((column as f64 + s) * step, (row as f64 + t) * step);
-                    sum += level.lookup(a + (b - a) * s + (c - a) * t, image.wrap, filter);
-                }
+                let (s, t) = ((column as f64 + third) * step, (row as f64 + third) * step);
+                sum += level.lookup(a + (b - a) * s + (c - a) * t, image.wrap, filter);
             }
         }
     }
-    sum * (step * step / points.len() as f64)
+    sum * (step * step)
 }
 
 /// A small colour for a triangle of which no evaluated point is bright: a trace of the texels that it touches, 0 if they

@@ -116,7 +116,8 @@ fn reciprocal_but_for_the_squared_index() {
             };
             let there = of(ior, wo, wi, Vec3::Z);
             let back = if b > 0.0 { of(ior, wi, wo, Vec3::Z) } else { of(1.0 / ior, wi, wo, -Vec3::Z) * ior * ior };
-            assert!((there - back).abs() <= 2e-4 * there.max(back) + 1e-7, "{roughness} {a} {b}: {there} {back}");
+            // Half vectors are rounded to 1e-7 of at least 1/3, which is 4e-6 of the least width, to the fourth power.
+            assert!((there - back).abs() <= 2e-5 * there.max(back) + 1e-8, "{roughness} {a} {b}: {there} {back}");
         }
     }
 }

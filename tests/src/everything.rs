@@ -48,7 +48,7 @@ fn scene(size: f64) -> Scene {
     let covered = TexturesDesc::default().with_base_color(holes).with_alpha(holes);
     for (y, mode) in [(0.5, AlphaMode::Blend), (0.6, AlphaMode::Mask { cutoff: 0.5 })] {
         let leaf = [[-0.6, y, 0.5], [0.1, y, 0.5], [0.1, y, -0.4], [-0.6, y, -0.4]];
-        let paint = MaterialDesc::lambert("leaf", [0.9; 3]).with_textures(covered.clone()).with_alpha(mode, 1.0);
+        let paint = MaterialDesc::lambert("leaf", [0.9; 3]).with_textures(covered).with_alpha(mode, 1.0);
         quad(&mut builder, leaf, paint);
     }
     let shining = TexturesDesc::default().with_emission(colors);

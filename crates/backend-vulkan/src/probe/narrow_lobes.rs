@@ -50,16 +50,16 @@ const CONDITION: &str = "its condition";
 
 fn world(local: DVec3) -> DVec3 {
     let (tangent, bitangent) = sampling::basis(NORMAL);
-    (tangent.as_dvec3() * local.x + bitangent.as_dvec3() * local.y + NORMAL.as_dvec3() * local.z).normalize()
+    (tangent.as_dvec3() * local.x + bitangent.as_dvec3() * local.y + NORMAL.as_dvec3() * local.z).normalize_or_zero()
 }
 
 /// A roughness, a direction, and a microfacet normal up to three widths from that of the surface, both in its frame.
 fn meeting(d: &mut Draw) -> (f32, DVec3, DVec3) {
     let width = d.pick(&WIDTHS);
-    let about = |versine: f32, turns: f32| sampling::about(Vec3::Z, versine, turns).as_dvec3().normalize();
+    let about = |versine: f32, turns: f32| sampling::about(Vec3::Z, versine, turns).as_dvec3().normalize_or_zero();
     let tangent = f64::from(width * d.pick(&[0.0, 0.3, 1.0, 3.0]));
     let (sin, cos) = (f64::from(d.unit()) * std::f64::consts::TAU).sin_cos();
-    let h = DVec3::new(tangent * cos, tangent * sin, 1.0).normalize();
+    let h = DVec3::new(tangent * cos, tangent * sin, 1.0).normalize_or_zero();
     (width.sqrt(), about(1.0 - d.pick(&COSINES), d.unit()), h)
 }
 

@@ -62,7 +62,7 @@ impl Cells {
                 let scale = 1.0 / (1.0 + t * t);
                 let direction = self.axis * ((1.0 - t * t) * scale) + (x * cos + y * sin) * (2.0 * t * scale);
                 let solid = 4.0 * t * scale * scale * (self.width * self.width + t * t) / self.width;
-                expected += f64::from(density(direction.normalize()) * solid);
+                expected += f64::from(density(direction.normalize_or_zero()) * solid);
             }
             let area = f64::from(FRAC_PI_2 * TAU) / (ROWS * COLUMNS * FINE * FINE) as f64;
             expected *= area * f64::from(SAMPLES);

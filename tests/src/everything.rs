@@ -5,7 +5,7 @@ use photon_core::{
     CausticPhotons, EnvironmentMap, Features, Film, Pipeline, Render, Requirements, Settings, TransportBackend, View,
 };
 use photon_scene::{
-    AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, TextureDesc, TextureRef,
+    AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, TextureDesc, TextureRef,
     TexturesDesc, VertexAttributes, shapes,
 };
 
@@ -29,8 +29,9 @@ fn images(builder: &mut SceneBuilder) -> [TextureRef; 3] {
 
 /// A floor with a normal map, leaves with holes, balls of plaster, glass and a mirror with vertex normals, a textured light, an
 /// environment, and 25 point lights, more than are chosen without a tree. Lengths are `size` times as large and radiances
-/// the same.
-fn scene(size: f64) -> Scene {
+/// the same. With `gloss` there are a metal and frosted glass, whose kernels take long to compile, instead of plaster and a
+/// mirror.
+fn scene(size: f64, gloss: bool) -> Scene {
     let mut builder = SceneBuilder::new();
     let [colors, bumps, holes] = images(&mut builder);
     let uvs = || VertexAttributes::default().with_uvs(vec![UVS.to_vec()]);
@@ -54,9 +55,14 @@ fn scene(size: f64) -> Scene {
     let shining = TexturesDesc::default().with_emission(colors);
     let lamp = [[0.2, 1.3, -0.3], [0.7, 1.3, -0.3], [0.7, 1.3, 0.3], [0.2, 1.3, 0.3]];
     quad(&mut builder, lamp, MaterialDesc::emissive("lamp", [0.0; 3], [3.0, 2.5, 2.0]).with_textures(shining));
+    let frosted = Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [0.9, 1.0, 0.9], roughness: 0.4 };
+    let [first, second] = match gloss {
+        false => [MaterialDesc::lambert("plaster", [0.8, 0.7, 0.6]), MaterialDesc::mirror("mirror", [0.9; 3])],
+        true => [MaterialDesc::metal("metal", [0.9, 0.7, 0.4], 0.5), MaterialDesc::new("frosted", frosted)],
+    };
     for (centre, radius, material) in [
-        ([0.5, 0.3, 0.3], 0.25, MaterialDesc::lambert("plaster", [0.8, 0.7, 0.6])),
-        ([0.45, 0.3, -0.4], 0.25, MaterialDesc::mirror("mirror", [0.9; 3])),
+        ([0.5, 0.3, 0.3], 0.25, first),
+        ([0.45, 0.3, -0.4], 0.25, second),
         ([-0.4, 0.22, 0.3], 0.2, MaterialDesc::glass("glass", 1.5)),
     ] {
         let (positions, triangles) = shapes::icosphere(2, centre, radius);
@@ -111,13 +117,13 @@ fn required(scene: &Scene) -> Requirements {
 /// V16: sizes of 2⁻⁶⁰, 2⁶⁰ and 2⁹⁹, and requirements that include all there is, give the same bits; 10^±30, whose coordinates
 /// are rounded otherwise, the same mean.
 pub fn v16_sizes_and_requirements<T: TestBackend>() {
-    let original = scene(1.0);
+    let original = scene(1.0, false);
     let derived = required(&original);
     let (expected, mut on) = picture(T::make(2), &original, derived, 6);
     let mean = |film: &Film| film.beauty().iter().flatten().map(|&c| f64::from(c)).sum::<f64>();
     for (size, is_power) in [(-60, true), (60, true), (99, true), (-30, false), (30, false)] {
         let size = if is_power { 2.0_f64.powi(size) } else { 10.0_f64.powi(size) };
-        let (found, back) = picture(on, &scene(size), derived, 6);
+        let (found, back) = picture(on, &scene(size, false), derived, 6);
         on = back;
         assert!(!is_power || found.pixels == expected.pixels, "{size:e}");
         let apart = mean(&found) / mean(&expected) - 1.0;
@@ -136,17 +142,25 @@ mod tests {
     use crate::harness::trace;
     use photon_core::MapKind;
 
-    /// V16: one, two and seven threads of the CPU find the same photons and pictures.
+    /// V16: one, two and seven threads of the CPU find the same photons and pictures, as do sizes of 2^±60 and 2⁹⁹; with gloss
+    /// and frosted glass too.
     #[test]
     fn v16_threads() {
-        let scene = scene(1.0);
-        let photons = |threads| trace::<OnCpu>(threads, &scene, &settings(), &[3000]);
-        let pixels = |threads| picture(OnCpu::make(threads), &scene, required(&scene), 6).0.pixels;
-        let (traced, seen) = (photons(1), pixels(1));
-        assert!(MapKind::ALL.into_iter().map(|kind| traced.0[kind].len()).sum::<usize>() > 1000);
-        for threads in [2, 7] {
-            assert!(traced == photons(threads), "{threads}");
-            assert!(seen == pixels(threads), "{threads}");
+        for gloss in [false, true] {
+            let scene = |size| scene(size, gloss);
+            let original = scene(1.0);
+            assert_eq!(required(&original).features.contains(Features::GLOSSY | Features::ROUGH_GLASS), gloss);
+            let photons = |threads, scene: &Scene| trace::<OnCpu>(threads, scene, &settings(), &[3000]);
+            let pixels = |threads, scene: &Scene| picture(OnCpu::make(threads), scene, required(scene), 6).0.pixels;
+            let (traced, seen) = (photons(1, &original), pixels(1, &original));
+            assert!(MapKind::ALL.into_iter().map(|kind| traced.0[kind].len()).sum::<usize>() > 1000);
+            for (threads, exponent) in [(2, 0), (7, 0), (2, -60), (2, 60), (2, 99)] {
+                let scene = scene(2.0_f64.powi(exponent));
+                assert!(traced == photons(threads, &scene), "{threads} threads, 2^{exponent}");
+                assert!(seen == pixels(threads, &scene), "{threads} threads, 2^{exponent}");
+            }
+            let other = Settings { seed: 7, ..settings() };
+            assert!(traced != trace::<OnCpu>(2, &original, &other, &[3000]), "the comparison can fail");
         }
     }
 }

@@ -37,17 +37,23 @@ fn towards(cosine: f32, turns: f32) -> Vec3 {
     if cosine < 0.0 { -local } else { local }
 }
 
-/// G4: reflection and transmission of an even glow add up to 1 from both sides, and the shares of the two agree between
+/// G4, V5: reflection and transmission of an even glow add up to 1 from both sides, and the shares of the two agree between
 /// sampling and a quadrature of [`RoughGlass::evaluate`].
 #[test]
 fn nothing_is_lost_and_samples_have_their_density() {
-    let ior = 1.5;
-    let table = table(ior);
     let mut numbers = SplitMix64(11);
     let mut number = || unit_f32(numbers.word() as u32);
-    for (kind, eta) in
-        [(MaterialKind::Dielectric, ior), (MaterialKind::Dielectric, 1.0 / ior), (MaterialKind::Thin, ior)]
-    {
+    for (kind, ior, eta) in [
+        (MaterialKind::Dielectric, 1.5, 1.5),
+        (MaterialKind::Dielectric, 1.5, 1.0 / 1.5),
+        (MaterialKind::Thin, 1.5, 1.5),
+        (MaterialKind::Dielectric, 1.05, 1.05),
+        (MaterialKind::Dielectric, 1.05, 1.0 / 1.05),
+        (MaterialKind::Dielectric, 2.4, 2.4),
+        (MaterialKind::Dielectric, 2.4, 1.0 / 2.4),
+        (MaterialKind::Thin, 2.4, 2.4),
+    ] {
+        let table = table(ior);
         for roughness in [0.2_f32, 0.5, 0.77, 1.0] {
             for cosine in [1.0_f32, 0.6, 0.15] {
                 let what = format!("{kind:?}, eta {eta}, roughness {roughness}, cosine {cosine}");
@@ -72,7 +78,8 @@ fn nothing_is_lost_and_samples_have_their_density() {
                 let (mean, n) = (sum / f64::from(n), f64::from(n));
                 let error = ((squares / n - mean * mean) / n).sqrt();
                 assert!((mean - 1.0).abs() < 4.5 * error + 2.5e-3, "{what}: {mean} ± {error}");
-                if roughness >= 0.5 {
+                // Transmission at the index 1.05 is too narrow for the quadrature.
+                if roughness >= 0.5 && ior > 1.1 {
                     let [reflected, transmitted] = [1.0, -1.0].map(|side| shares(&glass, &table, wo, side));
                     let share = stayed / n;
                     assert!(

@@ -12,6 +12,7 @@ pub mod alpha_surfaces;
 pub mod anisotropy;
 pub mod backends;
 pub mod blocks;
+pub mod bright_texels;
 pub mod caustic_roughness;
 pub mod choice;
 pub mod clearcoat;
@@ -27,10 +28,12 @@ pub mod edges;
 pub mod environment;
 pub mod equivalence;
 pub mod estimators;
+pub mod everything;
 pub mod extremes;
 pub mod fields;
 pub mod footprint;
 pub mod forecasts;
+pub mod furnace_pixels;
 pub mod gloss;
 pub mod gloss_behind_glass;
 pub mod gloss_caustics;
@@ -41,8 +44,10 @@ pub mod interreflection;
 pub mod lens;
 pub mod many_lights;
 pub mod mirrors_and_glass;
+pub mod narrow_estimates;
 pub mod nesting;
 pub mod numerics;
+pub mod odd_normals;
 pub mod paper;
 pub mod partial_transmission;
 pub mod photon_formats;
@@ -50,6 +55,7 @@ pub mod portals;
 pub mod precision;
 pub mod required_format;
 pub mod rough_glass;
+pub mod rough_glass_photons;
 pub mod shading_normals;
 pub mod shadow_terminator;
 pub mod sheen;
@@ -60,6 +66,7 @@ pub mod stats;
 mod stripes;
 pub mod sun;
 pub mod tangents;
+pub mod texture_limits;
 pub mod textures;
 pub mod twin;
 pub mod views;
@@ -191,6 +198,15 @@ macro_rules! whole_suite {
                 all_values_have_the_same_expectation, counting_twice_is_seen, only_what_it_is_for_is_changed,
             }
             rough_glass::{ g4_white_furnace, light_behind_a_boundary, g5_closed_room }
+            rough_glass_photons::{
+                g6_photons_through_a_boundary, v1_seen_through_sheets_around_the_threshold,
+            }
+            furnace_pixels::{ g4_every_pixel }
+            narrow_estimates::{ g7_variance_of_narrow_reflections }
+            bright_texels::{ v6_claims_under_a_bright_texel, v13_power_of_odd_environments }
+            odd_normals::{ v12_bad_vertex_normals, v12_bad_normal_maps }
+            texture_limits::{ g8_textured_floor_under_an_even_sky, v11_extreme_transforms }
+            everything::{ v16_sizes_and_requirements }
             textures::{
                 g8_textured_floor, g8_textured_floor_by_photons, v9_16384_squared, g13_ramp_light, two_coloured_light, vertex_colours,
             }

@@ -9,9 +9,9 @@ use photon_scene::{
     TextureRef, TexturesDesc, VertexAttributes, shapes,
 };
 
-use crate::closed_room;
 use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, trace};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
+use crate::{closed_room, rough_glass_photons};
 
 /// A metal of reflectance 1 and the width `alpha`.
 fn metal(alpha: f64) -> MaterialDesc {
@@ -129,10 +129,12 @@ pub fn v1_seen_around_the_threshold<T: TestBackend>() {
     }
 }
 
-/// V1, all ways of light: in a closed room, metals at both sides of the threshold change nothing.
+/// V1, all ways of light: in a closed room, metals and sheets of glass at both sides of the threshold change nothing.
 pub fn v1_furnace_around_the_threshold<T: TestBackend>() {
     let squares = [(0.4, 0.6, 9.99e-4), (-0.4, 0.6, 1.001e-3), (-0.7, 0.5, 0.0)];
     let squares = squares.map(|(y, half, alpha)| (y, half, metal(alpha)));
+    let sheets = rough_glass_photons::sheets().into_iter().zip([0.0, 0.15, -0.2]);
+    let squares = squares.into_iter().chain(sheets.map(|((_, sheet), y)| (y, 0.7, sheet)));
     closed_room::assert_unchanged::<T>(squares, ([1.0, 0.0, 0.0], 0.8), 0.0);
 }
 

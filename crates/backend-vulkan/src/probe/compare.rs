@@ -22,6 +22,8 @@ pub(super) enum Bound {
     Relative(f64),
     /// Floats: maximum difference, times a named condition number of the input.
     Conditioned(f64, &'static str, fn(&Input) -> f64),
+    /// Floats: maximum difference relative to the twin's value, times a named condition number of the input.
+    Scaled(f64, &'static str, fn(&Input) -> f64),
     /// Two packed 16-bit numbers: at most one step apart.
     Step,
 }
@@ -34,6 +36,7 @@ impl fmt::Display for Bound {
             Self::Within(most) => write!(f, "{most:e}"),
             Self::Relative(most) => write!(f, "{most:e} of the value"),
             Self::Conditioned(most, by, _) => write!(f, "{most:e} times {by}"),
+            Self::Scaled(most, by, _) => write!(f, "{most:e} of the value times {by}"),
             Self::Step => write!(f, "one step"),
         }
     }
@@ -132,6 +135,7 @@ fn share(bound: Bound, denormals: Denormals, input: &Input, ours: u32, theirs: u
         Bound::Within(most) => apart(most),
         Bound::Relative(most) => apart(most * b.abs()),
         Bound::Conditioned(most, _, condition) => apart(most * condition(input)),
+        Bound::Scaled(most, _, condition) => apart(most * condition(input) * b.abs()),
         Bound::Step => {
             let near = |shift: u32| ((ours >> shift) as u16 as i16).abs_diff((theirs >> shift) as u16 as i16) <= 1;
             verdict(near(0) && near(16))
@@ -152,11 +156,13 @@ mod tests {
         assert!(at(Bound::Bits, 0.0, -0.0) <= 1.0);
         assert!(at(Bound::Bits, 1e-40, 0.0) > 1.0 && at(Bound::Relative(1e-6), 1e-40, 0.0) > 1.0);
         assert!(at(Bound::Bits, f32::NAN, 0.0) > 1.0 && at(Bound::Bits, f32::INFINITY, 0.0) > 1.0);
-        for bound in [Bound::Within(1e-6), Bound::Relative(1e-6), Bound::Conditioned(1e-7, "ten", |_| 10.0)] {
+        let ten = |_: &Input| 10.0;
+        let conditioned = [Bound::Conditioned(1e-7, "ten", ten), Bound::Scaled(1e-7, "ten", ten)];
+        for bound in [Bound::Within(1e-6), Bound::Relative(1e-6)].into_iter().chain(conditioned) {
             assert!(at(bound, 1.0, next) <= 1.0 && at(bound, 1.0, 1.000_01) > 1.0);
             assert!(at(bound, f32::INFINITY, 1.0) > 1.0 && at(bound, 1.0, f32::NAN) > 1.0);
         }
-        assert!(at(Bound::Relative(1e-6), 1e-20, 0.0) > 1.0);
+        assert!(at(Bound::Relative(1e-6), 1e-20, 0.0) > 1.0 && at(conditioned[1], 2e-6, 1e-6) > 1.0);
         let step = |a, b| share(Bound::Step, Denormals::Kept, &Input::default(), a, b);
         assert!(step(0x0001_FFFF, 0x0002_0000) <= 1.0);
         assert!(step(0, 2) > 1.0 && step(0x0002_0000, 0) > 1.0);

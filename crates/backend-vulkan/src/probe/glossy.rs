@@ -11,11 +11,11 @@ use photon_scene::{MaterialDesc, Scene, SceneBuilder};
 use super::compare::Bound;
 use super::draw::{Draw, input};
 use super::table::{Row, output};
-use super::{Input, Output, run_row, worst_of};
+use super::{Input, Output, run_row, words_of, worst_of};
 use crate::scene::VulkanScene;
 use crate::{Vulkan, shaders};
 
-const NORMAL: Vec3 = Vec3::new(0.48, 0.6, -0.64);
+pub(super) const NORMAL: Vec3 = Vec3::new(0.48, 0.6, -0.64);
 const GEOMETRIC: Vec3 = Vec3::new(0.6, 0.48, -0.64);
 
 /// A plate of a metal; roughness and share of metal are those of each input.
@@ -29,6 +29,12 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     scene.light("point", photon_scene::LightDesc::Point { position: [0.0, 1.0, 0.0], intensity: [1.0; 3] });
     scene.build().unwrap()
 });
+
+/// The plate on a device.
+pub(super) fn scene(on: &mut Vulkan) -> VulkanScene {
+    let view = SCENE.view();
+    VulkanScene::new(on, &view, &Requirements::of(&view, &Settings::default())).unwrap()
+}
 
 /// The functions, their twins and their bounds.
 pub(super) fn rows() -> Vec<Row> {
@@ -144,7 +150,7 @@ fn material(i: &Input) -> Material {
 }
 
 /// A specular colour that depends on the share of metal, white for one of three; half of them with a clearcoat.
-fn layers(i: &Input) -> Layers {
+pub(super) fn layers(i: &Input) -> Layers {
     let part = i.float(7);
     let clearcoat = if i.float(9) < 0.5 { 0.0 } else { 0.8 };
     Layers::default().with_specular_color(Vec3::new(1.0, 1.0 - part, 1.0 + 30.0 * part)).with_clearcoat(clearcoat, 0.3)
@@ -228,7 +234,7 @@ fn at_horizon(i: &Input) -> f64 {
     1.0 + 0.03 * f64::from(slope)
 }
 
-fn evaluated(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {
+pub(super) fn evaluated(i: &Input, layers: &Layers, wo: Vec3, wi: Vec3) -> Output {
     value(i, &glossy(i, layers), wo, wi)
 }
 
@@ -260,9 +266,8 @@ fn drawn_from(i: &Input, glossy: &Glossy, u: f32) -> Output {
 #[test]
 fn glossy_surfaces_are_those_of_rust() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let view = SCENE.view();
-    let scene = VulkanScene::new(&mut on, &view, &Requirements::of(&view, &Settings::default())).unwrap();
-    let address = [scene.address() as u32, (scene.address() >> 32) as u32];
+    let scene = scene(&mut on);
+    let address = words_of(scene.address());
     for mut row in rows() {
         let (inputs, outputs) = run_row(&mut on, &row, &address);
         let share = worst_of(&mut on, &row, &inputs, &outputs).unwrap();

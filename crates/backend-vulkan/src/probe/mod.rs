@@ -20,6 +20,8 @@ mod light_tree_condition;
 mod light_tree_limits;
 mod listed;
 mod media;
+mod narrow;
+mod narrow_lobes;
 mod photon_format;
 mod projection;
 pub(crate) mod push;
@@ -152,7 +154,7 @@ fn all_rows() -> Vec<Row> {
     let shading =
         [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows(), glossy::rows(), alpha::rows()]
             .concat();
-    let shading = [shading, shadow_terminator::rows()].concat();
+    let shading = [shading, shadow_terminator::rows(), narrow::rows(), narrow_lobes::rows()].concat();
     [table::rows(), light_sampler::rows(), light_tree::rows(), media::rows(), projection::rows(), shading, single]
         .concat()
 }

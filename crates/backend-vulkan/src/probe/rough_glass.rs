@@ -10,6 +10,7 @@ use super::compare::Bound;
 use super::draw::{Draw, input};
 use super::table::{Row, output};
 use super::{Input, Output, assert_twin, whole_scene, words_of};
+use crate::scene::VulkanScene;
 use crate::{Vulkan, shaders};
 
 const NORMAL: Vec3 = Vec3::new(0.48, 0.6, -0.64);
@@ -30,6 +31,11 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 
 static TABLE: LazyLock<RoughGlassTable> = LazyLock::new(|| RoughGlassTable::new(&SCENE.view()).expect("one ratio"));
 
+/// The block and the sheet on a device.
+pub(super) fn scene(on: &mut Vulkan) -> VulkanScene {
+    whole_scene(on, &SCENE.view())
+}
+
 /// The functions, their twins and their bounds.
 pub(super) fn rows() -> Vec<Row> {
     let module = &shaders::PROBE_ROUGH_GLASS;
@@ -45,7 +51,7 @@ pub(super) fn rows() -> Vec<Row> {
 
 /// A visible normal is a unit vector along the sum of a point of a sphere and the stretched direction of the path. At the
 /// edge of the visible ones both cancel: their rounding errors count over the length of the sum.
-fn cancellation(i: &Input) -> f64 {
+pub(super) fn cancellation(i: &Input) -> f64 {
     let (tangent, bitangent) = sampling::basis(NORMAL);
     let (wo, alpha) = (i.vector(0), f64::from(i.float(3) * i.float(3)));
     let [x, y, z] = [tangent, bitangent, NORMAL].map(|axis| f64::from(wo.dot(axis)));
@@ -88,13 +94,13 @@ fn parts(i: &Input, cosine: f32) -> Output {
     output([lost, beyond, staying, light_side, near, far])
 }
 
-fn evaluated(i: &Input, wo: Vec3, wi: Vec3) -> Output {
+pub(super) fn evaluated(i: &Input, wo: Vec3, wi: Vec3) -> Output {
     let found = glass(i).evaluate(&TABLE, wo, wi, NORMAL);
     let [r, g, b] = found.value.to_array();
     output([r, g, b, found.pdf])
 }
 
-fn sampled(i: &Input, u: f32) -> Output {
+pub(super) fn sampled(i: &Input, u: f32) -> Output {
     let drawn = glass(i).sample(&TABLE, i.vector(0), NORMAL, [i.float(7) - kind(i), u, i.float(9)]);
     let ([x, y, z], [r, g, b]) = (drawn.direction.to_array(), drawn.found.weight(1.0).to_array());
     output([x, y, z, f32::from(u8::from(drawn.lobe == Lobe::SpecularReflection)), r, g, b, drawn.rest])
@@ -103,7 +109,7 @@ fn sampled(i: &Input, u: f32) -> Output {
 #[test]
 fn rough_glass_is_that_of_rust() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let scene = whole_scene(&mut on, &SCENE.view());
+    let scene = scene(&mut on);
     let address = words_of(scene.address());
     for row in rows() {
         assert_twin(

@@ -111,21 +111,20 @@ impl EnvironmentMap {
         let (mut starts, mut weights) = (Vec::new(), Vec::new());
         let mut edges = Vec::new();
         for row in 0..(self.height + 1).div_ceil(self.step) {
-            let (mut columns, mut total) = (vec![0.0; self.columns as usize], [0.0; 3]);
+            let mut columns = vec![0.0; self.columns as usize];
             let fine = row * self.step..((row + 1) * self.step).min(self.height + 1);
             for y in fine.clone() {
                 let solid = (self.edge(y + 1) - self.edge(y)) * 4.0 * std::f64::consts::PI / f64::from(self.width);
                 for x in 0..self.width {
                     let color = self.cell_mean(x, y).map(|c| c * solid);
                     columns[(x / self.step) as usize] += mean(color);
-                    total = std::array::from_fn(|c| total[c] + color[c]);
                 }
             }
             starts.extend(light_cdf(&columns));
             weights.push(columns.iter().sum::<f64>());
             edges.push((self.edge(fine.start), self.edge(fine.end), 1.0 - self.edge(fine.end)));
-            self.mean = std::array::from_fn(|c| self.mean[c] + total[c] / (4.0 * std::f64::consts::PI));
         }
+        self.mean = self.integral_over_sphere();
         let row_starts = light_cdf(&weights);
         let probability = |row: usize| crate::scene::light_probability(&row_starts, row) as f32;
         let rows = edges.iter().enumerate().map(|(row, &(above, end, below))| EnvironmentRow {
@@ -146,6 +145,36 @@ impl EnvironmentMap {
         let v = ((f64::from(row) - 0.5) / f64::from(self.height)).clamp(0.0, 1.0);
         let half = libm::sin(0.5 * std::f64::consts::PI * v);
         half * half
+    }
+
+    /// Mean radiance over all directions. It is linear in θ between the centres of rows, and constant beyond the first and
+    /// the last: the mean at the corners of a cell would be up to a seventh off for a map that is bright at a pole alone.
+    fn integral_over_sphere(&self) -> [f64; 3] {
+        let step = std::f64::consts::PI / f64::from(self.height);
+        // ∫ t/h cos t dt and ∫ t/h sin t dt, from 0 to h.
+        let (sine, half) = (libm::sin(step), libm::sin(0.5 * step));
+        let along = sine - 2.0 * half * half / step;
+        let across = sine / step - libm::cos(step);
+        let width = self.width as usize;
+        let mut sum = [0.0; 3];
+        for y in 0..=self.height {
+            // ∫ sin θ dθ/2 of this row of cells, which the rows of texels above and below share.
+            let solid = self.edge(y + 1) - self.edge(y);
+            let theta = step * (f64::from(y) - 0.5);
+            let lower = match y {
+                0 => 0.0,
+                y if y == self.height => 0.0,
+                _ => 0.5 * (libm::sin(theta) * along + libm::cos(theta) * across),
+            };
+            for (row, weight) in [(y.max(1) - 1, solid - lower), (y.min(self.height - 1), lower)] {
+                let texels = &self.texels[row as usize * width..(row as usize + 1) * width];
+                for (c, sum) in sum.iter_mut().enumerate() {
+                    let total: f64 = texels.iter().map(|texel| f64::from(texel[c])).sum();
+                    *sum += total / f64::from(self.width) * weight;
+                }
+            }
+        }
+        sum
     }
 
     /// Mean of the radiance at the corners of a fine cell.

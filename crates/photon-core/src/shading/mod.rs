@@ -27,6 +27,8 @@ pub mod random;
 pub(crate) mod reflection_lobe;
 pub mod rough_glass;
 pub(crate) mod rough_glass_table;
+#[cfg(test)]
+mod sampled_directions;
 pub mod sampling;
 pub(crate) mod scattering;
 pub mod shade;

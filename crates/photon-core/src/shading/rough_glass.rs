@@ -208,4 +208,4 @@ pub(crate) fn reflectance(cosine: f32, eta: f32, is_thin: bool) -> f32 {
 
 #[cfg(test)]
 #[path = "rough_glass/tests.rs"]
-mod tests;
+pub(in crate::shading) mod tests;

@@ -146,18 +146,20 @@ impl RoughGlassTable {
     }
 }
 
-/// Points of the quadrature over microfacet normals.
-const ACROSS: usize = 48;
-const AROUND: usize = 16;
+/// Points of the quadrature over microfacet normals, and the step between them around the surface normal: neighbouring
+/// Fibonacci numbers. No two points are at the same distance from the pole, so that total reflection, which begins at one
+/// distance, is resolved: with a grid of 48 by 16 entries are off by up to 0.01, with these points by 0.0025.
+const POINTS: usize = 987;
+const STEP: usize = 610;
 
 /// E by a quadrature over the visible microfacet normals.
 fn kept(alpha: f32, cosine: f32, eta: f32) -> f64 {
     let o = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
     let mut sum = 0.0_f64;
-    for k in 0..ACROSS * AROUND {
-        let u = ((k / AROUND) as f32 + 0.5) / ACROSS as f32;
+    for k in 0..POINTS {
+        let u = (k as f32 + 0.5) / POINTS as f32;
         // Half a turn is enough, by symmetry.
-        let v = 0.5 * ((k % AROUND) as f32 + 0.5) / AROUND as f32;
+        let v = 0.5 * ((k * STEP % POINTS) as f32 + 0.5) / POINTS as f32;
         let h = ggx::visible_normal(alpha, o, u, v);
         let across = o.dot(h);
         let split = fresnel(across, eta);
@@ -175,12 +177,29 @@ fn kept(alpha: f32, cosine: f32, eta: f32) -> f64 {
             sum += f64::from(1.0 - split.reflectance) * weight(-transmitted);
         }
     }
-    sum / (ACROSS * AROUND) as f64
+    sum / POINTS as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// E where light leaves a medium whose index is hardly larger, and where it is totally reflected: as an independent program
+    /// integrates them in double precision, by 1.6 million points.
+    #[test]
+    fn shares_at_total_reflection() {
+        for (alpha, cosine, eta, expected) in [
+            (0.25_f32, 1.0_f32, 1.0_f32 / 1.05, 0.992_57),
+            (0.6, 1.0, 1.0 / 1.05, 0.958_72),
+            (0.04, 0.6, 1.0 / 1.5, 0.995_63),
+            (1.0, 0.15, 1.0 / 1.5, 0.499_47),
+            (0.04, 0.6, 1.0 / 2.4, 0.996_41),
+            (1.0, 0.15, 1.0 / 2.4, 0.636_17),
+        ] {
+            let found = kept(alpha, cosine, eta);
+            assert!((found - expected).abs() < 2e-3, "{alpha} {cosine} {eta}: {found} for {expected}");
+        }
+    }
 
     /// Mean losses at an index of 1.5 from outside and from inside, as computed by an independent program.
     #[test]

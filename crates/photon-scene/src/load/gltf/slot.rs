@@ -86,6 +86,10 @@ mod tests {
         let expected = [[0.0, 0.25, 0.0], [-0.5, 0.0, 1.0]];
         let pairs = slot.transform.as_flattened().iter().zip(expected.as_flattened());
         assert!(pairs.into_iter().all(|(found, expected)| (found - expected).abs() < 1e-15), "{slot:?}");
+        // V11: many turns.
+        let json = r#"{"index": 0, "extensions": {"KHR_texture_transform": {"rotation": 1e9}}}"#;
+        let [[cos, sin, _], _] = Slot::of_json(&parse(json)).unwrap().transform;
+        assert!((cos - 0.837_887_181_363_902).abs() < 1e-14 && (sin - 0.545_843_449_448_699_6).abs() < 1e-14);
         let plain = Slot::of_json(&parse(r#"{"index": 0}"#)).unwrap();
         assert_eq!((plain.uv_set, plain.transform, plain.is_turned), (0, TextureRef::IDENTITY, false));
         assert_eq!(Slot::of_json(&parse(r#"{"texCoord": 0}"#)), None);

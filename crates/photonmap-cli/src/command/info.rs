@@ -4,13 +4,14 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use photon_core::{FilmTally, MapKind, Tally};
 use photon_film::FilmInfo;
 
 use crate::command::outlook::TargetArgs;
 use crate::fault::Fault;
 use crate::stdout;
 
-/// Show what a film file contains: passes, scene, settings, and who rendered it.
+/// Show what a film file contains: passes, scene, settings, photons, and who rendered it.
 #[derive(Clone, Debug, Args)]
 pub struct InfoArgs {
     /// The film file.
@@ -53,8 +54,39 @@ fn text(info: &FilmInfo) -> String {
             &format!("{}, {} on {}, {:.1} s", maker.program, maker.backend, maker.device, maker.seconds),
         );
     }
+    for (name, value) in counted(info) {
+        line(name, &value);
+    }
     for (name, value) in key.settings() {
         line("setting", &format!("{name} = {value}"));
     }
     text
+}
+
+/// What the photons did, in words.
+fn counted(info: &FilmInfo) -> Vec<(&'static str, String)> {
+    let FilmTally { passes, photons, aimed, .. } = &info.tally;
+    let all = info.contains.count();
+    if *passes == 0 {
+        return vec![("paths", "not counted: the film was written by an older version".to_owned())];
+    }
+    let of = |tally: &Tally| {
+        let Tally { emitted, absorbed, escaped, terminated, truncated, dropped, .. } = tally;
+        let balance = if tally.balances() { "" } else { "; WRONG: they do not add up" };
+        format!(
+            "{emitted} emitted: {absorbed} absorbed, {escaped} escaped, {terminated} ended at diffuse surfaces, {truncated} \
+             truncated, {dropped} dropped{balance}"
+        )
+    };
+    let stored = MapKind::ALL
+        .map(|kind| format!("{} in the {} map", photons.stored[kind].saturating_add(aimed.stored[kind]), kind.name()));
+    let mut lines = vec![("paths", of(photons))];
+    if aimed.emitted > 0 {
+        lines.push(("aimed paths", of(aimed)));
+    }
+    lines.push(("stored", stored.join(", ")));
+    if u64::from(*passes) < all {
+        lines.push(("counted", format!("{passes} of {all} passes; the others were written by an older version")));
+    }
+    lines
 }

@@ -35,6 +35,12 @@ pub(crate) fn powerset() -> Result<(), String> {
     Ok(())
 }
 
+/// Programs in C and C++, which other steps compile without the sanitizers where there are none.
+pub(crate) fn sanitizer() -> Result<(), String> {
+    let test = ["cargo", "test", "--locked", "-p", "photonmap-c", "--test", "programs"];
+    shell::run(&test, &[("PHOTON_REQUIRE_SANITIZERS", "1")])
+}
+
 /// Ends a process in any case.
 struct Ended(Child);
 

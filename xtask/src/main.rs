@@ -8,6 +8,7 @@ mod deny;
 mod extremes;
 mod full;
 mod graph;
+mod kills;
 mod links;
 mod listed;
 mod loaders;

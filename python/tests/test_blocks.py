@@ -324,7 +324,25 @@ def test_a_film_counts_the_photons_of_all_passes(tmp_path):
     assert pm.render(**{**JOB, "passes": 6}).counts != counts
 
 
-def test_dask(expected):
+@pytest.fixture
+def dask():
+    """A client of two processes."""
     distributed = pytest.importorskip("distributed", reason="Dask is not installed")
     with distributed.Client(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as client:
-        assert bits(pm.render(**JOB, executor=client.get_executor(retries=3))) == expected
+        yield client
+
+
+def test_dask(expected, dask):
+    assert bits(pm.render(**JOB, executor=dask.get_executor(retries=3))) == expected
+
+
+def test_a_killed_worker_of_dask_changes_nothing(expected, dask):
+    killed = []
+
+    def kill(progress):
+        if progress.passes == 2 and not killed:
+            killed.append(next(iter(dask.run(os.getpid).values())))
+            os.kill(killed[0], signal.SIGKILL)
+
+    film = pm.render(**JOB, executor=dask.get_executor(retries=3), progress=kill, window=2)
+    assert len(killed) == 1 and bits(film) == expected

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::time::Instant;
 
 use crate::{
-    book, constants, deny, extremes, full, kills, loaders, msrv, package, python, requirements, shaders, shell, tidy,
-    wasm,
+    book, constants, deny, extremes, full, kills, loaders, msrv, package, page, python, requirements, shaders, shell,
+    tidy, wasm,
 };
 
 /// A check that passes or fails.
@@ -43,7 +43,7 @@ const FULL: [Step; 11] = [
     Step { name: "python", what: "the Python package, in a virtual environment", run: python::step },
     Step { name: "dask", what: "workers of Dask, after the step python", run: python::dask },
     Step { name: "mpi", what: "photonmap-mpi with processes of this host", run: full::mpi },
-    Step { name: "page", what: "the page of a running render, in headless Chromium", run: full::page },
+    Step { name: "page", what: "the page of a running render, in headless Chromium", run: page::step },
     Step { name: "kills", what: "a render that is killed fifty times", run: kills::step },
     Step {
         name: "sanitizer",

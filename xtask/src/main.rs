@@ -14,6 +14,7 @@ mod listed;
 mod loaders;
 mod msrv;
 mod package;
+mod page;
 mod python;
 mod requirements;
 mod shaders;

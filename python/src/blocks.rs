@@ -155,5 +155,5 @@ impl File {
 /// A warning, at the line that called `render`.
 fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
     let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
-    PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &text, 3)
+    PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &text, 4)
 }

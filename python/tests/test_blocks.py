@@ -299,8 +299,9 @@ def test_a_checkpoint_that_fails_stops_nothing(tmp_path, expected, workers):
 
     job = dict(JOB, film=out / "a.film", checkpoint=0, progress=watch)
     pool = ThreadPoolExecutor(1) if workers else None
-    with pytest.warns(RuntimeWarning, match="out.a.film.*rendering goes on"):
+    with pytest.warns(RuntimeWarning, match="out.a.film.*rendering goes on") as caught:
         film = pm.render(**job, executor=pool)
+    assert caught[0].filename == __file__
     assert bits(film) == expected == bits(pm.Film.load(out / "a.film"))
     # Warnings may be errors: then it ends.
     os.remove(out / "a.film")

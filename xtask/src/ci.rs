@@ -44,7 +44,7 @@ const FULL: [Step; 11] = [
     Step { name: "dask", what: "workers of Dask, after the step python", run: python::dask },
     Step { name: "mpi", what: "photonmap-mpi with processes of this host", run: full::mpi },
     Step { name: "page", what: "the page of a running render, in headless Chromium", run: page::step },
-    Step { name: "kills", what: "a render that is killed fifty times", run: kills::step },
+    Step { name: "kills", what: "a render that is killed up to fifty times", run: kills::step },
     Step {
         name: "sanitizer",
         what: "programs in C and C++ under the sanitizers of the compiler",

@@ -82,6 +82,15 @@ fn cut_and_unknown_passes_are_not_stored() {
     assert!(!path.exists());
 }
 
+/// A film of two passes of 500 paths that the second version wrote, in the present format: it stays readable.
+#[test]
+fn films_of_format_2_are_read() {
+    let bytes = include_bytes!("format2.film");
+    let (film, info) = load_from(std::io::Cursor::new(bytes), bytes.len() as u64, "format2.film".as_ref()).unwrap();
+    assert_eq!((film.width, film.height, film.passes, info.key.photons()), (2, 1, 2, 500));
+    assert_eq!((film.tally.passes, film.tally.photons.emitted, film.tally.photons.balances()), (2, 1000, true));
+}
+
 /// A film of two passes that the first version wrote.
 #[test]
 fn films_of_older_versions_are_read() {

@@ -28,7 +28,8 @@ pub(crate) fn open_all(names: &[String]) -> Result<Vec<Vulkan>, Failure> {
     if names != ["all"] {
         return names.iter().map(|name| open(name)).collect();
     }
-    let names = photonmap_cli::backend::gpus().map_err(|fault| Failure::device(fault.to_string()))?;
+    let all = photonmap_cli::backend::gpus();
+    let names = all.map_err(|why| Failure::device(format!("device=\"gpu:all\": {why}; use device=\"cpu\"")))?;
     names.iter().map(|name| open(name)).collect()
 }
 

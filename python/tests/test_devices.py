@@ -87,3 +87,11 @@ def test_what_does_not_fit_several_devices_is_refused():
             call()
     with pytest.raises(pm.DeviceError, match="gpu:no such GPU"):
         pm.render("cornell", device="gpu:no such GPU")
+
+
+def test_all_devices_are_gpus_or_an_error():
+    """Software drivers are not among them."""
+    try:
+        assert pm.render(**JOB, device="gpu:all").passes == JOB["passes"]
+    except pm.DeviceError as why:
+        assert "gpu:all" in str(why) and "--" not in str(why)

@@ -95,7 +95,8 @@ pub fn open_quietly(name: BackendName, threads: Option<usize>) -> Result<Opened,
 /// # Errors
 /// [`Fault::Input`] naming the device that is unknown or not suitable.
 pub fn open_devices(wanted: &[String]) -> Result<Vec<Vulkan>, Fault> {
-    let wanted = if wanted == ["all"] { gpus()? } else { wanted.to_vec() };
+    let all = || gpus().map_err(|why| Fault::Input(format!("--device all: {why}")));
+    let wanted = if wanted == ["all"] { all()? } else { wanted.to_vec() };
     wanted.iter().map(|device| open_device(device)).collect()
 }
 
@@ -132,11 +133,10 @@ fn device_named(wanted: &str) -> Result<Vulkan, Fault> {
 /// Indices of all suitable devices that are not software drivers, at least one.
 ///
 /// # Errors
-/// [`Fault::Input`] naming the devices and what each lacks.
-pub fn gpus() -> Result<Vec<String>, Fault> {
-    let fault = |why: String| Fault::Input(format!("--device all: {why}"));
-    let found = backend_vulkan::devices().map_err(|error| fault(why_not(&error)))?;
-    worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>()).map_err(fault)?;
+/// The devices in words, and what each lacks.
+pub fn gpus() -> Result<Vec<String>, String> {
+    let found = backend_vulkan::devices().map_err(|error| why_not(&error))?;
+    worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>())?;
     let suitable = found.iter().filter(|device| device.lacks.is_empty() && device.kind != SOFTWARE);
     Ok(suitable.map(|device| device.index.to_string()).collect())
 }

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use mpi::datatype::{Partition, PartitionMut};
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::{Communicator, CommunicatorCollectives, Root};
-use photon_core::{Film, PassSet};
-use photon_film::FilmWords;
+use mpi::traits::{Communicator, CommunicatorCollectives, Destination, Root, Source};
+use photon_core::{Film, FilmTally, PassSet};
+use photon_film::{FilmWords, tally_from_text, tally_to_text};
 
 /// Words that a rank sends and receives at a time, at most: MPI counts with 31 bits, and buffers should stay small.
 const WORDS_AT_A_TIME: usize = 1 << 25;
@@ -19,6 +19,8 @@ pub struct Sums<'a> {
     /// Of the pixels of this rank; empty before the first block.
     words: Vec<u64>,
     portions: usize,
+    /// What the photons of the blocks of this rank did; on rank 0 also those of a film that is continued.
+    tally: FilmTally,
 }
 
 impl<'a> Sums<'a> {
@@ -33,7 +35,7 @@ impl<'a> Sums<'a> {
     pub fn in_portions(world: &'a SimpleCommunicator, pixels: usize, errors: bool, words: usize) -> Self {
         let layout = FilmWords::new(errors);
         let portions = (pixels * layout.per_pixel()).div_ceil(words).max(1);
-        Self { world, layout, pixels, words: Vec::new(), portions }
+        Self { world, layout, pixels, words: Vec::new(), portions, tally: FilmTally::default() }
     }
 
     /// The part of a rank's pixels in a portion.
@@ -53,6 +55,9 @@ impl<'a> Sums<'a> {
     /// If the film is not of the size that was given, or is missing.
     pub fn add(&mut self, film: Option<&Film>, blocks: usize) {
         let (ranks, rank) = (self.world.size() as usize, self.world.rank() as usize);
+        if let Some(film) = film.filter(|_| rank < blocks) {
+            self.tally.merge(&film.tally);
+        }
         let first = self.words.is_empty();
         let mut sums = std::mem::take(&mut self.words);
         for portion in 0..self.portions {
@@ -111,6 +116,7 @@ impl<'a> Sums<'a> {
             sums.extend(words);
         });
         self.words = sums;
+        self.tally = film.map_or_else(FilmTally::default, |film| film.tally.clone());
     }
 
     /// The whole film, on rank 0: an empty film of the right size with the sums of all ranks. The other ranks give and get
@@ -138,11 +144,31 @@ impl<'a> Sums<'a> {
                 rest = others;
             }
         });
+        let tally = self.gather_tally();
         if let Some(film) = &mut film {
+            film.tally = tally;
             film.contains = contains.clone();
             film.passes = u32::try_from(contains.count()).unwrap_or(u32::MAX);
         }
         film
+    }
+
+    /// The counts of all ranks, on rank 0; on others their own.
+    ///
+    /// # Panics
+    /// If ranks are of different versions of the program.
+    fn gather_tally(&self) -> FilmTally {
+        let mut all = self.tally.clone();
+        if self.world.rank() > 0 {
+            self.world.process_at_rank(0).send(tally_to_text(&all).as_bytes());
+            return all;
+        }
+        for rank in 1..self.world.size() {
+            let (text, _) = self.world.process_at_rank(rank).receive_vec::<u8>();
+            let tally = tally_from_text(&String::from_utf8_lossy(&text)).expect("a rank of the same program");
+            all.merge(&tally);
+        }
+        all
     }
 
     /// Calls `visit` for each portion with the pixels and the number of words of each rank, and that of this one.

@@ -18,7 +18,7 @@ from typing import Any, Callable, Generator
 from ._early import SPILLED, EarlyBlocks
 from ._errors import DeviceError, Error, FileError, InputError
 from ._job import Job, work
-from ._photonmap import RawFilm
+from ._photonmap import RawFilm, add_blocks
 from ._progress import Reporter
 
 __all__ = ["render_blocks"]
@@ -58,11 +58,9 @@ def render_blocks(
             reporter.add(first)
             return film
     reporter.add(first)
-    starts = range(first, passes, grain)
     if executor is None:
-        blocks = _local(job, starts, grain, radii, reporter)
-    else:
-        blocks = _remote(job, starts, grain, radii, executor, window, retries, path)
+        return _local(job, film, (first, passes), grain, target, path, checkpoint, reporter)
+    blocks = _remote(job, range(first, passes, grain), grain, radii, executor, window, retries, path)
     unsaved, written, is_checked = False, time.monotonic(), film is None
     try:
         for block in blocks:
@@ -81,9 +79,7 @@ def render_blocks(
                 except FileError as why:
                     warnings.warn(f"{why}; rendering goes on", RuntimeWarning, stacklevel=3)
                 written = time.monotonic()
-            if executor is not None and not reporter.add(grain):
-                break
-            if _is_reached(film, job, target, grain):
+            if not reporter.add(grain) or _is_reached(film, job, target, grain):
                 break
     finally:
         # Blocks that were finished before an error or Ctrl-C are kept.
@@ -91,8 +87,11 @@ def render_blocks(
         if unsaved and film is not None and path is not None:
             film.save(path)
     if film is None:
-        raise DeviceError("stopped before a block of passes was finished")
+        raise DeviceError(_NOTHING)
     return film
+
+
+_NOTHING = "stopped before a block of passes was finished"
 
 
 def _is_reached(film: RawFilm, job: Job, target: tuple[float, float] | None, grain: int) -> bool:
@@ -105,16 +104,21 @@ def _check_complete(job: Job, film: RawFilm, path: str, grain: int) -> None:
 
 
 def _local(
-    job: Job, starts: range, grain: int, radii: list[float] | None, reporter: Reporter
-) -> Generator[RawFilm, None, None]:
-    if not starts:
-        return
+    job: Job,
+    film: RawFilm | None,
+    passes: tuple[int, int],
+    grain: int,
+    target: tuple[float, float] | None,
+    path: str | None,
+    checkpoint: float,
+    reporter: Reporter,
+) -> RawFilm:
+    """Blocks by the devices of this process."""
     renderer = job.renderer()
-    for start in starts:
-        block = renderer.block(start, grain, radii, reporter)
-        if block is None:
-            return
-        yield block
+    film = renderer.empty(grain) if film is None else film
+    if not add_blocks(film, renderer, passes, grain, target, None if path is None else (path, checkpoint), reporter):
+        raise DeviceError(_NOTHING)
+    return film
 
 
 def _remote(

@@ -44,6 +44,17 @@ class Film:
         """Which passes these are: seeds, and indices."""
         return [(seed, range(first, end)) for seed, first, end in self._raw.ranges()]
 
+    @property
+    def counts(self) -> dict[str, Any]:
+        """What the photons of all passes did, also of those that were rendered earlier or elsewhere.
+
+        "passes": how many were counted, fewer than `passes` if some are from a file of an older version. "paths" and
+        "aimed_paths": how many were emitted, and how they ended: absorbed, escaped, terminated (aimed ones at a diffuse surface),
+        truncated, dropped. "stored": photons by map.
+        """
+        passes, paths, aimed, stored = self._raw.counts()
+        return {"passes": passes, "paths": dict(paths), "aimed_paths": dict(aimed), "stored": dict(stored)}
+
     @cached_property
     def beauty(self) -> np.ndarray:
         """The picture, the sum of the layers."""

@@ -24,11 +24,11 @@ class Job:
     settings: str
     size: tuple[int, int]
     camera: str | None
-    gpu: bool
+    gpus: tuple[str, ...]
     threads: int
 
     def renderer(self) -> Renderer:
-        device = (self.gpu, self.threads)
+        device = (list(self.gpus), self.threads)
         return Renderer(self.scene._raw(), self.scene.name, self.settings, self.size, self.camera, device)
 
 

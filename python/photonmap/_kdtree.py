@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ._device import gpu
 from ._errors import InputError
 from ._photonmap import Tree
 
@@ -19,7 +20,7 @@ class KDTree:
     Methods and results follow `scipy.spatial.KDTree`. Neighbours and distances are those of the given numbers in double
     precision; of equal distances, the lower index comes first.
 
-    `points`: (n, 3) real numbers, copied. `device`: "cpu" or "gpu" (Vulkan; k-NN and counts). `leafsize`,
+    `points`: (n, 3) real numbers, copied. `device`: "cpu", "gpu" or "gpu:1" (Vulkan; k-NN and counts). `leafsize`,
     `compact_nodes`, `copy_data` and `balanced_tree` are accepted for compatibility, and ignored.
     """
 
@@ -36,13 +37,12 @@ class KDTree:
     ) -> None:
         if boxsize is not None:
             raise InputError("boxsize is not supported: give copies of the points near the sides of the box instead")
-        if device not in ("cpu", "gpu"):
-            raise InputError(f'device is {device!r}, but must be "cpu" or "gpu"')
+        name = gpu(device)
         flat = _vectors("points", points)
         if np.ndim(points) != 2:
             raise InputError(f"points has the shape {np.shape(points)}, but must have (n, 3)")
         self._device = device
-        self._tree = Tree(flat, device == "gpu")
+        self._tree = Tree(flat, name)
 
     @property
     def n(self) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ._device import gpu
 from ._errors import InputError
 from ._kdtree import _vectors
 from ._photonmap import RawMap, trace_photons
@@ -60,7 +61,7 @@ def trace(
     """
     count = _whole("photons", photons, 2**32 - 1)
     chosen = (Settings() if settings is None else settings).replace(photons=count, **fields)
-    arrays = trace_photons(_scene(scene, None)._raw(), chosen.to_json(), _device(device, threads))
+    arrays = trace_photons(_scene(scene, None, chosen.memory)._raw(), chosen.to_json(), _device(device, threads))
     position, normal, direction, power = (array.reshape(-1, 3) for array in arrays[:4])
     return Photons(position, normal, direction, power, arrays[4])
 
@@ -126,7 +127,5 @@ class PhotonMap:
         return colors[..., 0] if self._grey else colors
 
 
-def _device(device: str, threads: int | None) -> tuple[bool, int]:
-    if device not in ("cpu", "gpu"):
-        raise InputError(f'device is {device!r}, but must be "cpu" or "gpu"')
-    return device == "gpu", 0 if threads is None else _whole("threads", threads, 4096)
+def _device(device: str, threads: int | None) -> tuple[str | None, int]:
+    return gpu(device), 0 if threads is None else _whole("threads", threads, 4096)

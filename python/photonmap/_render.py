@@ -7,6 +7,7 @@ import os
 from typing import Any, Callable
 
 from ._blocks import check_executor, render_blocks
+from ._device import gpus
 from ._errors import InputError
 from ._film import Film
 from ._job import Job
@@ -53,9 +54,10 @@ def render(
     """Renders a scene: a `Scene`, the name of a built-in one, or a file, to which `overrides` are applied.
 
     It ends after so many `passes` (default 32, or those of the preset), after `time` in seconds, or when the estimated
-    relative error of the `share` of pixels is at most `target_error`, whichever comes first. `device`: "cpu" or "gpu".
-    Further keyword arguments are fields of `Settings`, such as `photons=200_000`; they change those of `settings` or of the
-    `preset`.
+    relative error of the `share` of pixels is at most `target_error`, whichever comes first. `device`: "cpu", "gpu", a GPU by
+    index or a part of its name, "gpu:1", or several, "gpu:0,1" or "gpu:all", which render blocks of `grain` passes. Further
+    keyword arguments are fields of `Settings`, such as `photons=200_000`; they change those of `settings` or of the `preset`.
+    `memory`: of the limit, half is for reading the file of a scene, whose textures are reduced if they do not fit.
 
     `progress`: True for a progress bar, or a function that is called with a `Progress`, and stops the render by returning
     False. Ctrl-C stops it within a pass.
@@ -73,8 +75,8 @@ def render(
     if target_error is not None:
         fields.setdefault("errors", True)
     chosen = Settings(preset=preset, size=(width, height), **fields) if settings is None else settings.replace(**fields)
-    if device not in ("cpu", "gpu"):
-        raise InputError(f'device is {device!r}, but must be "cpu" or "gpu"')
+    devices = gpus(device)
+    several = len(devices) > 1 or devices == ("all",)
     workers = 0 if threads is None else _whole("threads", threads, 4096)
     if passes is not None:
         passes = _whole("passes", passes, 2**32 - 2)
@@ -82,9 +84,14 @@ def render(
         passes = DEFAULT_PASSES if preset is None else preset_passes(preset)
     error = None if target_error is None else (number("target_error", target_error), number("share", share))
     in_all = passes or DEFAULT_PASSES
-    in_blocks = film is not None or executor is not None or grain is not None
+    in_blocks = film is not None or executor is not None or grain is not None or several
     if in_blocks:
         _check_blocks(time, chosen)
+        if several and executor is not None:
+            raise InputError(
+                f'device is {device!r}: each worker of an executor uses one device; give "gpu" or one of them, or leave out '
+                "the executor"
+            )
         grain = 1 if grain is None else _whole("grain", grain, 2**32 - 2)
         in_all = (2**32 - 2) // grain * grain if passes is None else passes
         check_blocks(0, in_all, grain)
@@ -92,10 +99,10 @@ def render(
         _check_film(os.fspath(film))
     if executor is not None:
         check_executor(executor)
-        if threads is None and device == "cpu":
+        if threads is None and not devices:
             workers = _threads_of_worker(executor)
-    opened = _scene(scene, overrides)
-    job = Job(opened, chosen.to_json(), (width, height), camera, device == "gpu", workers)
+    opened = _scene(scene, overrides, chosen.memory)
+    job = Job(opened, chosen.to_json(), (width, height), camera, devices, workers)
     reporter = Reporter(progress, passes)
     try:
         if in_blocks:
@@ -120,7 +127,7 @@ def render(
     return Film(raw)
 
 
-def _scene(scene: Any, overrides: str | os.PathLike[str] | None) -> Scene:
+def _scene(scene: Any, overrides: str | os.PathLike[str] | None, memory: int | None) -> Scene:
     if isinstance(scene, Scene):
         if overrides is not None:
             raise InputError("overrides= is for files; give it to Scene.load")
@@ -129,7 +136,8 @@ def _scene(scene: Any, overrides: str | os.PathLike[str] | None) -> Scene:
         raise InputError(f"scene is {scene!r}, but must be a Scene, a name or a path")
     name = os.fspath(scene)
     if os.path.splitext(name)[1]:
-        return Scene.load(name, overrides)
+        # The other half is for the tables that are made of the scene, and for photons.
+        return Scene.load(name, overrides, memory=None if memory is None else max(1, memory // 2))
     opened = Scene.builtin(name)
     if overrides is not None:
         opened._call("overrides", os.path.abspath(os.fspath(overrides)))
@@ -140,12 +148,12 @@ def _check_blocks(time: float | None, settings: Settings) -> None:
     """What would make passes depend on time, or on each other."""
     if time is not None:
         raise InputError(
-            "time: with film, grain or executor, the passes must not depend on when and where they are rendered; give "
+            "time: with film, grain, executor or several devices, the passes must not depend on when and where they are rendered; give "
             "passes or target_error instead"
         )
     if settings.bandwidth == "per-pixel":
         raise InputError(
-            'bandwidth "per-pixel": passes then depend on all passes before them; with film, grain or executor, use '
+            'bandwidth "per-pixel": passes then depend on all passes before them; with film, grain, executor or several devices, use '
             'bandwidth="shared"'
         )
 

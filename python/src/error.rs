@@ -57,6 +57,12 @@ impl Failure {
     }
 }
 
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
 impl From<photonmap::Error> for Failure {
     fn from(error: photonmap::Error) -> Self {
         use photonmap::Error as E;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use numpy::{IntoPyArray, PyArray1};
 use photonmap::film::{FilmInfo, load, load_from, save, save_to};
-use photonmap::{Blocks, ErrorTarget, Film, Layer};
+use photonmap::{Blocks, ErrorTarget, Film, FilmTally, Layer, MapKind, Tally};
 use photonmap_cli::exposure::{Exposure, measured};
 use photonmap_cli::png_file::{self, Picture};
 use photonmap_cli::tonemap::ToneMap;
@@ -101,6 +101,24 @@ impl RawFilm {
     /// Names of the backends that rendered it.
     fn backends(&self) -> Vec<String> {
         self.info.makers.iter().map(|maker| maker.backend.clone()).collect()
+    }
+
+    /// What the photons did: number of passes that were counted, paths that were not aimed, aimed ones, photons stored in maps.
+    #[expect(clippy::type_complexity, reason = "taken apart by one method")]
+    fn counts(&self) -> (u32, Vec<(&'static str, u64)>, Vec<(&'static str, u64)>, Vec<(&'static str, u64)>) {
+        let FilmTally { passes, photons, aimed, .. } = &self.film.tally;
+        let of = |tally: &Tally| {
+            vec![
+                ("emitted", tally.emitted),
+                ("absorbed", tally.absorbed),
+                ("escaped", tally.escaped),
+                ("terminated", tally.terminated),
+                ("truncated", tally.truncated),
+                ("dropped", tally.dropped),
+            ]
+        };
+        let stored = |kind: &MapKind| (kind.name(), photons.stored[*kind].saturating_add(aimed.stored[*kind]));
+        (*passes, of(photons), of(aimed), MapKind::ALL.iter().map(stored).collect())
     }
 
     /// A layer, `beauty`, `normal` or `albedo`: rows of pixels from the top, RGB or XYZ, flat.

@@ -7,15 +7,30 @@ use crate::error::Failure;
 use crate::points::{Points, SPARE};
 use crate::process;
 
-/// Opens the preferred GPU, or the one that the environment variable PHOTON_VK_DEVICE selects.
-pub(crate) fn open() -> Result<Vulkan, Failure> {
+/// Opens a GPU by its index or a part of its name; without a name the preferred one, or that which the environment variable
+/// PHOTON_VK_DEVICE selects.
+pub(crate) fn open(name: &str) -> Result<Vulkan, Failure> {
     process::enter_gpu()?;
     let mut options = Options::default();
     options.disk_cache = true;
+    options.device = (!name.is_empty()).then(|| name.to_owned());
     Vulkan::with_options(&options).map_err(|error| {
+        let what = if name.is_empty() { "no GPU can be used".to_owned() } else { format!("device=\"gpu:{name}\"") };
         let cause = photonmap_cli::fault::chain(&error);
-        Failure::device(format!("no GPU can be used: {cause}; install a Vulkan driver, or use device=\"cpu\""))
+        Failure::device(format!("{what}: {cause}; install a Vulkan driver, or use device=\"cpu\""))
     })
+}
+
+/// Opens GPUs by their names, as [`open`] does; one that is named twice is opened twice. `all` alone stands for all that are
+/// suitable, software drivers not included.
+pub(crate) fn open_all(names: &[String]) -> Result<Vec<Vulkan>, Failure> {
+    process::enter_gpu()?;
+    if names != ["all"] {
+        return names.iter().map(|name| open(name)).collect();
+    }
+    let all = photonmap_cli::backend::gpus();
+    let names = all.map_err(|why| Failure::device(format!("device=\"gpu:all\": {why}; use device=\"cpu\"")))?;
+    names.iter().map(|name| open(name)).collect()
 }
 
 /// Neighbours of a request, on the GPU: rows of it are at most this many bytes.
@@ -29,8 +44,8 @@ pub(crate) struct GpuPoints {
 }
 
 impl GpuPoints {
-    pub(crate) fn new(points: &Points) -> Result<Self, Failure> {
-        let mut on = open()?;
+    pub(crate) fn new(points: &Points, name: &str) -> Result<Self, Failure> {
+        let mut on = open(name)?;
         // Only the positions are used.
         let records: Vec<Photon> =
             points.rounded().into_iter().map(|position| Photon { position, ..Photon::default() }).collect();

@@ -1,6 +1,7 @@
 //! The compiled part of the Python package `photonmap`. The classes that users see are in the Python files beside it.
 #![forbid(unsafe_code)]
 
+mod blocks;
 mod error;
 mod film;
 mod frame;
@@ -21,6 +22,8 @@ use pyo3::prelude::*;
 /// The compiled part of `photonmap`.
 #[pymodule]
 mod _photonmap {
+    #[pymodule_export]
+    use crate::blocks::add_blocks;
     #[pymodule_export]
     use crate::film::{RawFilm, check_blocks, check_writable, write_bytes};
     #[pymodule_export]

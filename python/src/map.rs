@@ -63,14 +63,14 @@ const ROUND: usize = 1 << 18;
 
 #[pymethods]
 impl RawMap {
-    /// Positions, normals and powers, flat; `device`: whether it is a GPU, and the number of threads, 0 for all cores.
+    /// Positions, normals and powers, flat; `device`: a GPU as [`gpu::open`] names it, or the CPU, and the number of threads, 0 for all cores.
     #[new]
     fn new(
         py: Python<'_>,
         positions: PyReadonlyArray1<'_, f64>,
         normals: PyReadonlyArray1<'_, f64>,
         powers: PyReadonlyArray1<'_, f64>,
-        device: (bool, usize),
+        device: (Option<String>, usize),
     ) -> PyResult<Self> {
         let (positions, normals, powers) = (vectors(&positions)?, vectors(&normals)?, vectors(&powers)?);
         let (gpu, threads) = device;
@@ -92,8 +92,8 @@ impl RawMap {
                     direction: 0,
                 })
                 .collect();
-            let map: Box<dyn AnyMap> = if gpu {
-                Box::new(MapOn::new(gpu::open()?, &photons)?)
+            let map: Box<dyn AnyMap> = if let Some(name) = gpu {
+                Box::new(MapOn::new(gpu::open(&name)?, &photons)?)
             } else {
                 let on = if threads == 0 { Cpu::new()? } else { Cpu::with_threads(threads)? };
                 Box::new(MapOn::new(on, &photons)?)

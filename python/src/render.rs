@@ -1,13 +1,14 @@
 //! Renderers: a pipeline on a device, and its passes.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use photonmap::cpu::Cpu;
 use photonmap::film::{FilmInfo, FilmKey, Maker};
 use photonmap::scene::Scene;
 use photonmap::{
-    Bandwidth, Blocks, Budget, Film, Pipeline, Plan, Render, Settings, TransportBackend, View, render, render_blocks,
+    Bandwidth, Blocks, Budget, Film, Pipeline, Plan, Render, Settings, TransportBackend, Units, View, render,
+    render_blocks,
 };
 use pyo3::prelude::*;
 
@@ -20,12 +21,12 @@ use crate::scene::RawScene;
 use crate::settings::parse;
 
 /// Program and version, in film files.
-const PROGRAM: &str = concat!("photonmap for Python ", env!("CARGO_PKG_VERSION"));
+pub(crate) const PROGRAM: &str = concat!("photonmap for Python ", env!("CARGO_PKG_VERSION"));
 
-/// A renderer of one scene.
+/// Renderers of one scene, one for each device.
 #[pyclass(frozen, module = "photonmap._photonmap")]
 pub(crate) struct Renderer {
-    inner: Mutex<Local<Box<dyn Render>>>,
+    inner: Mutex<Local<Vec<Box<dyn Render>>>>,
     scene: Arc<Scene>,
     name: String,
     view: View,
@@ -34,8 +35,8 @@ pub(crate) struct Renderer {
 
 #[pymethods]
 impl Renderer {
-    /// Uploads a scene to a device and derives the radii. `device`: whether it is a GPU, and the number of threads, 0 for all
-    /// cores.
+    /// Uploads a scene to devices and derives the radii. `device`: GPUs as [`gpu::open`] and [`gpu::open_all`] name them, none
+    /// for the CPU, and its number of threads, 0 for all cores.
     #[new]
     fn new(
         py: Python<'_>,
@@ -44,13 +45,13 @@ impl Renderer {
         settings: &str,
         size: (u32, u32),
         camera: Option<&str>,
-        device: (bool, usize),
+        device: (Vec<String>, usize),
     ) -> PyResult<Self> {
-        let ((width, height), (gpu, threads)) = (size, device);
+        let ((width, height), (gpus, threads)) = (size, device);
         let settings = parse(settings)?;
         let scene = Arc::clone(&scene.scene);
         let view = View { camera: scene.camera(camera, width, height).map_err(Failure::from)?, width, height };
-        let inner = py.detach(|| start(&scene, view, &settings, gpu, threads))?;
+        let inner = py.detach(|| start(&scene, view, &settings, &gpus, threads))?;
         Ok(Self { inner: Mutex::new(Local::new(inner)), scene, name: name.to_owned(), view, settings })
     }
 
@@ -79,8 +80,8 @@ impl Renderer {
         let mut latch = Latch::default();
         let begun = Instant::now();
         let rendered = py.detach(|| {
-            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-            let inner = inner.get("this renderer")?;
+            let mut inner = self.lock();
+            let inner = &mut inner.get("this renderer")?[0];
             let outcome = render(&mut **inner, plan, &mut observe(observer.as_ref(), &mut latch));
             let outcome = match outcome {
                 Err(error) => {
@@ -91,7 +92,7 @@ impl Renderer {
                 Ok(outcome) => outcome,
             };
             let film = inner.film()?;
-            let mut info = self.info(&**inner, 1, begun);
+            let mut info = self.info(std::slice::from_ref(inner), 1, begun);
             // A GPU adds passes in another precision.
             info.in_order = info.makers.iter().all(|maker| maker.backend == "cpu") || film.passes == 1;
             let adapted = outcome.predicted.is_some_and(|forecast| forecast.radius_factor != 1.0);
@@ -133,26 +134,16 @@ impl Renderer {
         let mut latch = Latch::default();
         let begun = Instant::now();
         let rendered = py.detach(|| {
-            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-            let inner = inner.get("this renderer")?;
-            if let Some(radii) = radii.filter(|radii| radii.len() == inner.radii().len()) {
-                inner.set_radii(&radii)?;
-            }
-            let facts = inner.facts();
-            if facts.photons < self.settings.photons {
-                return Err(Failure::input(format!(
-                    "memory: only {0} paths a pass fit the limit, and passes of a film must not depend on it; give \
-                     photons={0}",
-                    facts.photons
-                )));
-            }
+            let mut inner = self.lock();
+            let inner = &mut inner.get("this renderer")?[0];
+            self.check_block(&mut **inner, radii.as_deref())?;
             let mut film: Option<Film> = None;
             let mut observer = observe(observer.as_ref(), &mut latch);
             match render_blocks(&mut **inner, &blocks, &mut film, &mut observer, &mut |_| Ok(())) {
                 Ok(_) | Err(photonmap::Error::Cancelled) => {}
-                Err(error) => return Err(error.into()),
+                Err(error) => return Err(Failure::from(error)),
             }
-            Ok(film.map(|film| (film, self.info(&**inner, grain, begun))))
+            Ok(film.map(|film| (film, self.info(std::slice::from_ref(inner), grain, begun))))
         });
         if let Some(error) = latch.error {
             return Err(error);
@@ -160,16 +151,17 @@ impl Renderer {
         Ok(rendered?.map(|(film, info)| RawFilm { film, info, refused: None }))
     }
 
-    /// A film without passes, whose key is that of the blocks of a render with these radii.
-    fn empty(&self, py: Python<'_>, grain: u32, radii: Vec<f32>) -> PyResult<RawFilm> {
+    /// A film without passes, whose key is that of the blocks of a render with these radii, or with its own.
+    #[pyo3(signature = (grain, radii=None))]
+    fn empty(&self, py: Python<'_>, grain: u32, radii: Option<Vec<f32>>) -> PyResult<RawFilm> {
         let made = py.detach(|| {
-            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut inner = self.lock();
             let inner = inner.get("this renderer")?;
-            if radii.len() == inner.radii().len() {
-                inner.set_radii(&radii)?;
+            if let Some(radii) = radii.filter(|radii| radii.len() == inner[0].radii().len()) {
+                inner[0].set_radii(&radii)?;
             }
             let film = Film::new(self.view.width, self.view.height, self.scene.units())?;
-            let info = self.info(&**inner, grain, Instant::now());
+            let info = self.info(inner, grain, Instant::now());
             Ok::<_, Failure>(RawFilm { film, info, refused: Some("it has no passes".to_owned()) })
         });
         Ok(made?)
@@ -178,21 +170,48 @@ impl Renderer {
     /// Name of the backend, description of the device, paths per pass.
     fn facts(&self, py: Python<'_>) -> PyResult<(String, String, u32)> {
         // A render in another thread holds this lock while it waits for that of the interpreter.
-        let facts = py.detach(|| {
-            let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-            Ok::<_, Failure>(inner.get("this renderer")?.facts())
-        })?;
+        let facts = py.detach(|| Ok::<_, Failure>(self.lock().get("this renderer")?[0].facts()))?;
         Ok((facts.backend.to_owned(), facts.device, facts.photons))
     }
 }
 
 impl Renderer {
+    pub(crate) fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    pub(crate) fn units(&self) -> Units {
+        self.scene.units()
+    }
+
+    /// The renderers, at least one. Without the lock of the interpreter: a render holds them while it waits for that.
+    pub(crate) fn lock(&self) -> MutexGuard<'_, Local<Vec<Box<dyn Render>>>> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Prepares a renderer for blocks of a film with these radii, if they are known, and checks that its passes do not depend on
+    /// memory.
+    pub(crate) fn check_block(&self, renderer: &mut dyn Render, radii: Option<&[f32]>) -> Result<(), Failure> {
+        if let Some(radii) = radii.filter(|radii| radii.len() == renderer.radii().len()) {
+            renderer.set_radii(radii)?;
+        }
+        let photons = renderer.facts().photons;
+        if photons < self.settings.photons {
+            return Err(Failure::input(format!(
+                "memory: only {photons} paths a pass fit the limit, and passes of a film must not depend on it; give \
+                 photons={photons}"
+            )));
+        }
+        Ok(())
+    }
+
     /// What the passes depend on, and who rendered them.
-    fn info(&self, renderer: &dyn Render, grain: u32, begun: Instant) -> FilmInfo {
-        let key = FilmKey::new(&self.scene.view(), &self.view, &self.settings, renderer, grain);
+    pub(crate) fn info(&self, renderers: &[Box<dyn Render>], grain: u32, begun: Instant) -> FilmInfo {
+        let key = FilmKey::new(&self.scene.view(), &self.view, &self.settings, &*renderers[0], grain);
         let mut info = FilmInfo::new(key, &self.name);
-        let facts = renderer.facts();
-        info.add_maker(&Maker::new(PROGRAM, facts.backend, &facts.device, begun.elapsed().as_secs_f64()));
+        let facts = renderers[0].facts();
+        let device = photonmap_cli::backend::names(renderers);
+        info.add_maker(&Maker::new(PROGRAM, facts.backend, &device, begun.elapsed().as_secs_f64()));
         info
     }
 }
@@ -201,13 +220,23 @@ fn start(
     scene: &Scene,
     view: View,
     settings: &Settings,
-    gpu: bool,
+    gpus: &[String],
     threads: usize,
-) -> Result<Box<dyn Render>, Failure> {
-    if gpu {
-        return pipeline(gpu::open()?, scene, view, settings);
+) -> Result<Vec<Box<dyn Render>>, Failure> {
+    if gpus.is_empty() {
+        let on = if threads == 0 { Cpu::new()? } else { Cpu::with_threads(threads)? };
+        return Ok(vec![pipeline(on, scene, view, settings)?]);
     }
-    pipeline(if threads == 0 { Cpu::new()? } else { Cpu::with_threads(threads)? }, scene, view, settings)
+    let devices = gpu::open_all(gpus)?;
+    // They compile their kernels at the same time.
+    std::thread::scope(|threads| {
+        let start = |on| threads.spawn(move || pipeline(on, scene, view, settings));
+        let starting: Vec<_> = devices.into_iter().map(start).collect();
+        let joined = starting
+            .into_iter()
+            .map(|renderer| renderer.join().map_err(|_| Failure::device("a device failed while it was prepared"))?);
+        joined.collect()
+    })
 }
 
 fn pipeline<B: TransportBackend>(

@@ -31,15 +31,15 @@ pub(crate) fn trace_photons<'py>(
     py: Python<'py>,
     scene: &RawScene,
     settings: &str,
-    device: (bool, usize),
+    device: (Option<String>, usize),
 ) -> PyResult<Photons<'py>> {
     let settings = Settings { direct: Direct::Photons, indirect: Indirect::Map, caustics: true, ..parse(settings)? };
     settings.validate().map_err(Failure::from)?;
     let scene = Arc::clone(&scene.scene);
     let (gpu, threads) = device;
     let found = py.detach(|| {
-        if gpu {
-            all(gpu::open()?, &scene, &settings)
+        if let Some(name) = gpu {
+            all(gpu::open(&name)?, &scene, &settings)
         } else {
             all(if threads == 0 { Cpu::new()? } else { Cpu::with_threads(threads)? }, &scene, &settings)
         }

@@ -30,14 +30,17 @@ pub(crate) struct Tree {
 
 #[pymethods]
 impl Tree {
-    /// The points are copied; `gpu`: k-NN and counts are computed there.
+    /// The points are copied; `gpu`: its name, if k-NN and counts are computed there.
     #[new]
-    fn new(py: Python<'_>, points: PyReadonlyArray1<'_, f64>, gpu: bool) -> PyResult<Self> {
+    fn new(py: Python<'_>, points: PyReadonlyArray1<'_, f64>, gpu: Option<String>) -> PyResult<Self> {
         let (pool, exact) = (process::pool(py, 0)?, vectors(&points)?);
         let made = py.detach(|| {
             pool.install(|| {
                 let points = Points::new(exact)?;
-                let gpu = if gpu { Some(Mutex::new(Local::new(GpuPoints::new(&points)?))) } else { None };
+                let gpu = match gpu {
+                    Some(name) => Some(Mutex::new(Local::new(GpuPoints::new(&points, &name)?))),
+                    None => None,
+                };
                 if gpu.is_none() {
                     points.index()?;
                 }

@@ -5,6 +5,7 @@ import os
 import pickle
 import signal
 import time
+import warnings
 import zipfile
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
@@ -45,7 +46,7 @@ def test_blocks_backwards_have_other_bits(expected):
     from photonmap._job import Job
 
     settings = pm.Settings(photons=JOB["photons"]).to_json()
-    renderer = Job(pm.Scene.builtin(JOB["scene"]), settings, JOB["size"], None, False, 0).renderer()
+    renderer = Job(pm.Scene.builtin(JOB["scene"]), settings, JOB["size"], None, (), 0).renderer()
     blocks = [renderer.block(first, 2, None, None) for first in range(0, 8, 2)]
 
     def fold(blocks):
@@ -284,30 +285,65 @@ def test_what_was_finished_before_ctrl_c_is_kept(expected, tmp_path):
     assert bits(pm.render(**JOB, film=path)) == expected
 
 
-def test_a_checkpoint_that_fails_stops_nothing(tmp_path, monkeypatch, expected):
-    from photonmap import _blocks
+@pytest.mark.parametrize("workers", [0, 1])
+def test_a_checkpoint_that_fails_stops_nothing(tmp_path, expected, workers):
+    out, away = tmp_path / "out", tmp_path / "away"
+    out.mkdir()
 
-    saves = []
+    def watch(progress):
+        """The folder of the film is not there when the second block is written."""
+        if progress.passes == 2 + (workers == 0) and not away.exists():
+            os.rename(out, away)
+        if progress.passes == 4 + (workers == 0) and away.exists():
+            os.rename(away, out)
 
-    original = _blocks._local
-
-    def watched(*args):
-        for block in original(*args):
-            saves.append(block.passes)
-            if len(saves) == 2:
-                os.rename(tmp_path / "out", tmp_path / "away")
-            if len(saves) == 3:
-                os.rename(tmp_path / "away", tmp_path / "out")
-            yield block
-
-    (tmp_path / "out").mkdir()
-    monkeypatch.setattr(_blocks, "_local", watched)
-    with pytest.warns(RuntimeWarning, match="rendering goes on"):
-        film = pm.render(**JOB, film=tmp_path / "out" / "a.film", checkpoint=0)
-    assert bits(film) == expected == bits(pm.Film.load(tmp_path / "out" / "a.film"))
+    job = dict(JOB, film=out / "a.film", checkpoint=0, progress=watch)
+    pool = ThreadPoolExecutor(1) if workers else None
+    with pytest.warns(RuntimeWarning, match="out.a.film.*rendering goes on") as caught:
+        film = pm.render(**job, executor=pool)
+    assert caught[0].filename == __file__
+    assert bits(film) == expected == bits(pm.Film.load(out / "a.film"))
+    # Warnings may be errors: then it ends.
+    os.remove(out / "a.film")
+    with warnings.catch_warnings(), pytest.raises((RuntimeWarning, pm.FileError), match="a.film"):
+        warnings.simplefilter("error")
+        pm.render(**job, executor=pool)
+    assert pm.Film.load(away / "a.film").passes == 2
 
 
-def test_dask(expected):
+def test_a_film_counts_the_photons_of_all_passes(tmp_path):
+    path = tmp_path / "a.film"
+    pm.render(**{**JOB, "passes": 4}, film=path)
+    with ThreadPoolExecutor(2) as pool:
+        film = pm.render(**JOB, film=path, executor=pool)
+    counts = pm.Film.load(path).counts
+    assert counts == film.counts == pm.render(**JOB).counts == pickle.loads(pickle.dumps(film)).counts
+    paths = counts["paths"]
+    assert (counts["passes"], paths.pop("emitted")) == (8, 8 * JOB["photons"])
+    assert sum(paths.values()) == 8 * JOB["photons"] and counts["stored"]["global"] > 0
+    assert counts["aimed_paths"]["emitted"] == 0
+    assert pm.render(**{**JOB, "passes": 6}).counts != counts
+
+
+@pytest.fixture
+def dask():
+    """A client of two processes."""
     distributed = pytest.importorskip("distributed", reason="Dask is not installed")
     with distributed.Client(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as client:
-        assert bits(pm.render(**JOB, executor=client.get_executor(retries=3))) == expected
+        yield client
+
+
+def test_dask(expected, dask):
+    assert bits(pm.render(**JOB, executor=dask.get_executor(retries=3))) == expected
+
+
+def test_a_killed_worker_of_dask_changes_nothing(expected, dask):
+    killed = []
+
+    def kill(progress):
+        if progress.passes == 2 and not killed:
+            killed.append(next(iter(dask.run(os.getpid).values())))
+            os.kill(killed[0], signal.SIGKILL)
+
+    film = pm.render(**JOB, executor=dask.get_executor(retries=3), progress=kill, window=2)
+    assert len(killed) == 1 and bits(film) == expected

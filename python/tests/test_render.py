@@ -3,9 +3,11 @@
 import os
 import pickle
 import signal
+import struct
 import threading
 import time
 import warnings
+import zlib
 
 import numpy as np
 import pytest
@@ -192,6 +194,38 @@ def test_reading_a_scene_within_limited_memory(tmp_path):
     sky.write_bytes(b"#?RADIANCE\n\n-Y 256 +X 512\n" + bytes([128, 128, 128, 128]) * (256 * 512))
     with pytest.raises(pm.OutOfMemoryError, match="sky.hdr"):
         pickle.loads(data).build()
+
+
+def _textured(folder):
+    """A scene file with a texture of 2048 by 2048 texels, 16 MiB, and an override file with a light."""
+    size, checks = 2048, np.kron([[0.2, 0.8], [0.8, 0.2]], np.ones((1024, 1024)))
+    rows = b"".join(b"\0" + row.tobytes() for row in np.repeat((checks * 255).astype(np.uint8)[..., None], 3, 2))
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0))
+    (folder / "floor.png").write_bytes(
+        b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b"")
+    )
+    (folder / "floor.mtl").write_text("newmtl floor\nmap_Kd floor.png\n")
+    (folder / "floor.obj").write_text(
+        "mtllib floor.mtl\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+        "usemtl floor\nf 1/1 2/2 3/3 4/4\n"
+    )
+    (folder / "lit.toml").write_text('[[lights]]\ntype = "point"\nposition = [0, 1, 0]\nintensity = [9, 9, 9]\n')
+    return {"scene": folder / "floor.obj", "overrides": folder / "lit.toml"}
+
+
+def test_the_memory_of_a_render_limits_reading_its_scene(tmp_path):
+    job = {**_textured(tmp_path), **QUICK}
+    free, plenty = (pm.render(**job, memory=memory).beauty for memory in (None, 1 << 28))
+    np.testing.assert_array_equal(free, plenty)
+    # Half of the limit is for the texture, whose edge between dark and bright is then blurred.
+    reduced = pm.render(**job, memory=8 << 20).beauty
+    assert (reduced != free).any()
+    by_hand = pm.Scene.load(job["scene"], job["overrides"], memory=4 << 20)
+    assert any("reduced" in line for line in by_hand.report)
+    np.testing.assert_array_equal(reduced, pm.render(by_hand, **QUICK).beauty)
+    with pytest.raises(pm.OutOfMemoryError, match="allow more memory"):
+        pm.render(**job, memory=1000)
 
 
 @pytest.mark.parametrize("wrong", [0, -1, 1.5, float("nan"), True, "1 GB", 2**64])

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::time::Instant;
 
 use crate::{
-    book, constants, deny, extremes, full, loaders, msrv, package, python, requirements, shaders, shell, tidy, wasm,
+    book, constants, deny, extremes, full, kills, loaders, msrv, package, page, python, requirements, shaders, shell,
+    tidy, wasm,
 };
 
 /// A check that passes or fails.
@@ -35,13 +36,20 @@ const STEPS: [Step; 11] = [
     Step { name: "test", what: "all other tests", run: test },
 ];
 
-/// Steps of `full`: they compile other programs, need Python, MPI or a browser, or take long.
-const FULL: [Step; 8] = [
+/// Steps of `full`: they compile other programs, need Python, Dask, MPI, a browser or sanitizers, or take long.
+const FULL: [Step; 11] = [
     Step { name: "deny", what: "licences, versions and sources of the dependencies", run: deny::step },
     Step { name: "book", what: "docs/ as a book in target/book", run: book::step },
     Step { name: "python", what: "the Python package, in a virtual environment", run: python::step },
+    Step { name: "dask", what: "workers of Dask, after the step python", run: python::dask },
     Step { name: "mpi", what: "photonmap-mpi with processes of this host", run: full::mpi },
-    Step { name: "page", what: "the page of a running render, in headless Chromium", run: full::page },
+    Step { name: "page", what: "the page of a running render, in headless Chromium", run: page::step },
+    Step { name: "kills", what: "a render that is killed up to fifty times", run: kills::step },
+    Step {
+        name: "sanitizer",
+        what: "programs in C and C++ under the sanitizers of the compiler",
+        run: full::sanitizer,
+    },
     Step { name: "powerset", what: "every combination of features of the facade", run: full::powerset },
     Step { name: "wasm", what: "the libraries for WebAssembly, if its target is installed", run: wasm::step },
     Step { name: "package", what: "the packages for a registry, compiled from their archives", run: package::step },

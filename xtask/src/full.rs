@@ -1,8 +1,5 @@
 //! Steps of `cargo xtask full`: they need more than Rust and a C compiler, or take long.
 
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
-
 use crate::shell;
 
 /// Tests of `mpi/`, which start real processes.
@@ -35,48 +32,8 @@ pub(crate) fn powerset() -> Result<(), String> {
     Ok(())
 }
 
-/// Ends a process in any case.
-struct Ended(Child);
-
-impl Drop for Ended {
-    fn drop(&mut self) {
-        // It may have ended by itself.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// The address of the page; unlikely to be in use.
-const ADDRESS: &str = "127.0.0.1:48217";
-
-/// Opens the page of a running render in headless Chromium, which must show passes and all layers, and draw the picture.
-pub(crate) fn page() -> Result<(), String> {
-    let browser = ["chromium", "chromium-browser", "google-chrome"];
-    let Some(browser) = browser.into_iter().find(|name| shell::present(&[name, "--version"])) else {
-        return Err("Chromium is not installed; Debian: chromium".to_owned());
-    };
-    shell::run(&["cargo", "build", "--locked", "-p", "photonmap-cli"], &[])?;
-    let root = shell::root();
-    let arguments = "render cornell-glass --backend cpu --size 64x48 --photons 20000 --errors --time 120 --serve";
-    let render = Command::new(root.join("target/debug/photonmap"))
-        .args(arguments.split(' '))
-        .args([ADDRESS, "-o"])
-        .arg(root.join("target/page.png"))
-        .stderr(Stdio::null())
-        .spawn()
-        .map_err(|error| format!("photonmap: {error}"))?;
-    let _render = Ended(render);
-    let begun = Instant::now();
-    let dump = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=8000", "--dump-dom"];
-    let url = format!("http://{ADDRESS}/");
-    let mut text = String::new();
-    while begun.elapsed() < Duration::from_secs(60) {
-        text = shell::capture(&[&[browser], &dump[..], &[&url]].concat()).unwrap_or_default();
-        let layers = ["picture", "direct", "caustic", "indirect", "error", "claimed"];
-        let listed = layers.iter().all(|layer| text.contains(&format!("value=\"{layer}\"")));
-        if listed && text.contains("passes: ") && text.contains("width=\"64\" height=\"48\"") {
-            return Ok(());
-        }
-    }
-    Err(format!("the page shows no render:\n{text}"))
+/// Programs in C and C++, which other steps compile without the sanitizers where there are none.
+pub(crate) fn sanitizer() -> Result<(), String> {
+    let test = ["cargo", "test", "--locked", "-p", "photonmap-c", "--test", "programs"];
+    shell::run(&test, &[("PHOTON_REQUIRE_SANITIZERS", "1")])
 }

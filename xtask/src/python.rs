@@ -7,6 +7,20 @@ use crate::shell;
 /// What the build and the tests need; the package itself needs only NumPy.
 const NEEDED: [&str; 8] = ["maturin>=1.9,<2", "numpy", "pytest", "scipy", "mypy", "tqdm", "nbclient", "ipykernel"];
 
+/// Tests of workers of Dask, with the package that `step` has installed.
+pub(crate) fn dask() -> Result<(), String> {
+    let python = format!("{}/target/python/bin/python", shell::root().to_string_lossy());
+    if !shell::present(&[&python, "-c", "import photonmap"]) {
+        return Err("the package is not installed: run the step python first".to_owned());
+    }
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "distributed"];
+    shell::run(&[&[python.as_str()], &install[..]].concat(), &[])?;
+    // Without it, the tests would be skipped.
+    shell::run(&[&python, "-c", "import distributed"], &[])?;
+    let tests = ["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider", "-k", "dask", "python/tests"];
+    shell::run(&[&[python.as_str()], &tests[..]].concat(), &[])
+}
+
 /// Builds with the profile of the other tests, in the same target folder, so that dependencies are compiled once.
 pub(crate) fn step() -> Result<(), String> {
     let check = "import sys; sys.exit(sys.version_info < (3, 11))";

@@ -32,6 +32,7 @@ pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, 
 pub use error::{Error, Result};
 pub use film::confidence::{ConfidenceInterval, ErrorPixel, Flags, PhotonMoments, student_975};
 pub use film::display::{Display, DisplayImage};
+pub use film::film_tally::FilmTally;
 pub use film::forecast::{ErrorModel, Forecast};
 pub use film::pass_set::PassSet;
 pub use film::tone_map::{ToneMap, decode_srgb, encode_srgb};

@@ -1,12 +1,13 @@
 //! `film.json`: what a film file contains and where it comes from.
 
-use photon_core::{Film, PassSet};
+use photon_core::{Film, FilmTally, PassSet};
 use serde::{Deserialize, Serialize};
 
 use crate::key::FilmKey;
+use crate::tally::StoredTally;
 
-/// The format that this version writes, and the newest that it reads.
-pub const FORMAT: u32 = 1;
+/// The format that this version writes, and the newest that it reads. Films of format 1 have no counts of photons.
+pub const FORMAT: u32 = 2;
 
 /// Name of the description in the zip.
 pub(crate) const NAME: &str = "film.json";
@@ -30,14 +31,16 @@ pub struct FilmInfo {
     pub scene: String,
     /// The programs and devices that rendered it.
     pub makers: Vec<Maker>,
+    /// What the photons of the passes did.
+    pub tally: FilmTally,
 }
 
 impl FilmInfo {
     /// The description of a film that has no passes yet.
     #[must_use]
     pub fn new(key: FilmKey, scene: &str) -> Self {
-        let (contains, scene) = (PassSet::default(), scene.to_owned());
-        Self { key, contains, in_order: true, errors: false, clamp: false, scene, makers: Vec::new() }
+        let (contains, tally, scene) = (PassSet::default(), FilmTally::default(), scene.to_owned());
+        Self { key, contains, in_order: true, errors: false, clamp: false, scene, makers: Vec::new(), tally }
     }
 
     /// Adds a maker, or the seconds to one that is known.
@@ -89,6 +92,8 @@ pub(crate) struct Header {
     /// Names of the arrays in the zip; others are 0 everywhere.
     pub(crate) arrays: Vec<String>,
     pub(crate) makers: Vec<Maker>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) tally: Option<StoredTally>,
 }
 
 /// A range of passes of a seed.
@@ -118,6 +123,7 @@ impl Header {
             radiance_factor: info.key.units().radiance_to_user(),
             arrays: Vec::new(),
             makers: info.makers.clone(),
+            tally: StoredTally::new(&info.tally),
         }
     }
 
@@ -134,6 +140,10 @@ impl Header {
             return Err(format!("it says {} passes, but lists {}", self.pass_count, contains.count()));
         }
         self.key.validate()?;
+        let tally = self.tally.as_ref().map_or(Ok(FilmTally::default()), StoredTally::read)?;
+        if tally.passes > self.pass_count {
+            return Err(format!("it counts the photons of {} passes, but has {}", tally.passes, self.pass_count));
+        }
         Ok(FilmInfo {
             key: self.key.clone(),
             contains,
@@ -142,6 +152,7 @@ impl Header {
             clamp: self.clamp,
             scene: self.scene.clone(),
             makers: self.makers.clone(),
+            tally,
         })
     }
 }
@@ -161,5 +172,6 @@ pub(crate) fn empty_film(info: &FilmInfo) -> photon_core::Result<Film> {
     film.clamp = info.clamp;
     film.passes = u32::try_from(info.contains.count()).unwrap_or(u32::MAX);
     film.contains = info.contains.clone();
+    film.tally = info.tally.clone();
     Ok(film)
 }

@@ -13,6 +13,7 @@ mod key;
 mod merge;
 mod npy;
 mod read;
+mod tally;
 mod words;
 mod write;
 
@@ -21,6 +22,7 @@ pub use header::{FORMAT, FilmInfo, Maker};
 pub use key::FilmKey;
 pub use merge::merge;
 pub use read::{load, load_from, read_info};
+pub use tally::{tally_from_text, tally_to_text};
 pub use words::FilmWords;
 pub use write::{save, save_to};
 

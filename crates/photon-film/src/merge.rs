@@ -79,6 +79,7 @@ fn checked(films: &[(&Path, FilmInfo)]) -> Result<FilmInfo, FilmFileError> {
         all.in_order &= info.in_order && is_next_block && same_backend;
         all.contains.merge(&info.contains).map_err(|source| FilmFileError::film(path, source))?;
         info.makers.iter().for_each(|maker| all.add_maker(maker));
+        all.tally.merge(&info.tally);
     }
     if all.contains.count() > u64::from(u32::MAX) {
         return Err(FilmFileError::damaged(films[films.len() - 1].0, "with it there are more than 2^32 - 1 passes"));

@@ -49,7 +49,8 @@ fn check(path: &Path, film: &Film, info: &FilmInfo) -> Result<(), FilmFileError>
 }
 
 fn write_film(to: impl Write + Seek, film: &Film, info: &FilmInfo) -> Result<(), atomic_write::Failure> {
-    let info = FilmInfo { errors: film.errors.is_some(), clamp: film.clamp, ..info.clone() };
+    let (errors, tally) = (film.errors.is_some(), film.tally.clone());
+    let info = FilmInfo { errors, clamp: film.clamp, tally, ..info.clone() };
     let mut header = Header::new(&info, &film.contains);
     let mut zip = FilmWriter::new(to, film.width, film.height);
     for column in Column::all(info.errors) {

@@ -674,6 +674,18 @@ typedef struct PmFilmInfo {
    * Not 0: there is an error map.
    */
   uint32_t errors;
+  /**
+   * Passes whose photons were counted: fewer than `passes` if some are from a file of an older version.
+   */
+  uint32_t counted;
+  /**
+   * Paths that were emitted in these passes, aimed ones included.
+   */
+  uint64_t paths;
+  /**
+   * Photons that they stored.
+   */
+  uint64_t photons;
 } PmFilmInfo;
 
 /**

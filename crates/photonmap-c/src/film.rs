@@ -4,7 +4,7 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use photonmap::film::{self as files, FilmFileError, FilmInfo};
-use photonmap::{ConfidenceInterval, Film, Layer};
+use photonmap::{ConfidenceInterval, Film, Layer, Tally};
 use photonmap_cli::png_file::Picture;
 use photonmap_cli::tonemap::ToneMap;
 use photonmap_cli::{exr_file, png_file};
@@ -72,9 +72,20 @@ pub struct PmFilmInfo {
     pub cut: u32,
     /// Not 0: there is an error map.
     pub errors: u32,
+    /// Passes whose photons were counted: fewer than `passes` if some are from a file of an older version.
+    pub counted: u32,
+    /// Paths that were emitted in these passes, aimed ones included.
+    pub paths: u64,
+    /// Photons that they stored.
+    pub photons: u64,
 }
 
-pointer::versioned!(PmFilmInfo);
+// SAFETY: `repr(C)`, begins with its size, and has only numbers.
+unsafe impl pointer::Versioned for PmFilmInfo {
+    const NAME: &'static str = "PmFilmInfo";
+    /// The first version ended with `errors` and four bytes of padding.
+    const LEAST: usize = std::mem::offset_of!(Self, paths);
+}
 
 /// Fills in `*info`, whose size has to be set.
 #[unsafe(no_mangle)]
@@ -82,6 +93,8 @@ pub unsafe extern "C" fn pm_film_info(film: *const PmFilm, info: *mut PmFilmInfo
     call(|| {
         // SAFETY: the caller's handle.
         let film = &unsafe { pointer::shared(film, "film") }?.film;
+        let tally = &film.tally;
+        let stored = |tally: &Tally| tally.stored.values().fold(0, |sum: u64, &of| sum.saturating_add(of));
         let found = PmFilmInfo {
             size: size_of::<PmFilmInfo>(),
             width: film.width,
@@ -89,6 +102,9 @@ pub unsafe extern "C" fn pm_film_info(film: *const PmFilm, info: *mut PmFilmInfo
             passes: film.passes,
             cut: film.cut.into(),
             errors: film.errors.is_some().into(),
+            counted: tally.passes,
+            paths: tally.photons.emitted.saturating_add(tally.aimed.emitted),
+            photons: stored(&tally.photons).saturating_add(stored(&tally.aimed)),
         };
         // SAFETY: the caller's struct.
         unsafe { pointer::write(info, &found) }

@@ -43,6 +43,9 @@ impl Place {
         std::fs::write(&empty, "int main(void) { return 0; }\n").unwrap();
         if run(Command::new("cc").arg(SANITIZERS).arg(&empty).arg("-o").arg(place.path("empty"))).status.success() {
             place.flags.extend([SANITIZERS, "-fno-sanitize-recover=undefined"].map(str::to_owned));
+        } else {
+            let required = std::env::var_os("PHOTON_REQUIRE_SANITIZERS").is_some_and(|value| value != "0");
+            assert!(!required, "{SANITIZERS} is not possible here; Debian: gcc with libasan and libubsan");
         }
         place
     }

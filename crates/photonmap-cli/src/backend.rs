@@ -4,6 +4,7 @@
 use backend_cpu::Cpu;
 use backend_vulkan::{Candidate, Options, Vulkan};
 use clap::ValueEnum;
+use photon_core::Render;
 use photon_scene::CompressedTree;
 
 use crate::fault::{Fault, chain};
@@ -94,7 +95,8 @@ pub fn open_quietly(name: BackendName, threads: Option<usize>) -> Result<Opened,
 /// # Errors
 /// [`Fault::Input`] naming the device that is unknown or not suitable.
 pub fn open_devices(wanted: &[String]) -> Result<Vec<Vulkan>, Fault> {
-    let wanted = if wanted == ["all"] { gpus()? } else { wanted.to_vec() };
+    let all = || gpus().map_err(|why| Fault::Input(format!("--device all: {why}")));
+    let wanted = if wanted == ["all"] { all()? } else { wanted.to_vec() };
     wanted.iter().map(|device| open_device(device)).collect()
 }
 
@@ -128,11 +130,13 @@ fn device_named(wanted: &str) -> Result<Vulkan, Fault> {
     Vulkan::with_options(&options).map_err(|error| Fault::Input(format!("--device {wanted}: {}", why_not(&error))))
 }
 
-/// Indices of all suitable devices that are not software drivers.
-fn gpus() -> Result<Vec<String>, Fault> {
-    let fault = |why: String| Fault::Input(format!("--device all: {why}"));
-    let found = backend_vulkan::devices().map_err(|error| fault(why_not(&error)))?;
-    worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>()).map_err(fault)?;
+/// Indices of all suitable devices that are not software drivers, at least one.
+///
+/// # Errors
+/// The devices in words, and what each lacks.
+pub fn gpus() -> Result<Vec<String>, String> {
+    let found = backend_vulkan::devices().map_err(|error| why_not(&error))?;
+    worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>())?;
     let suitable = found.iter().filter(|device| device.lacks.is_empty() && device.kind != SOFTWARE);
     Ok(suitable.map(|device| device.index.to_string()).collect())
 }
@@ -217,6 +221,17 @@ fn why_not(error: &photon_core::Error) -> String {
 fn device(on: &Vulkan) -> String {
     let limits = on.limits();
     format!("{} ({})", limits.name, limits.driver)
+}
+
+/// The devices of renderers, in words.
+#[must_use]
+pub fn names(renderers: &[Box<dyn Render>]) -> String {
+    let all: Vec<String> = renderers.iter().map(|renderer| renderer.facts().device).collect();
+    match all.as_slice() {
+        [device] => device.clone(),
+        [first, others @ ..] if others.iter().all(|other| other == first) => format!("{} × {first}", all.len()),
+        _ => all.join(", "),
+    }
 }
 
 /// One line for each device that Vulkan lists.

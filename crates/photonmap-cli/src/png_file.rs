@@ -3,11 +3,11 @@
 use std::io::Write;
 use std::path::Path;
 
-use photon_core::{DisplayImage, Film, parallel};
+use photon_core::{Display, DisplayImage, Film, parallel};
 
 use crate::atomic_write;
 use crate::fault::Fault;
-use crate::tonemap::{self, ToneMap};
+use crate::tonemap::ToneMap;
 
 /// A picture to be tone-mapped.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl Picture {
     pub fn of(film: &Film, mut colours: Vec<[f32; 3]>, transparent: bool) -> Self {
         let alpha = transparent.then(|| film.alpha());
         for (colour, alpha) in colours.iter_mut().zip(alpha.iter().flatten()) {
-            *colour = colour.map(|part| if *alpha > 0.0 { part / alpha } else { 0.0 });
+            *colour = Display::straight(*colour, *alpha);
         }
         Self { width: film.width, height: film.height, colours, alpha }
     }
@@ -53,16 +53,12 @@ pub fn write(path: &Path, picture: &Picture, curve: ToneMap, exposure: f32) -> R
 /// # Errors
 /// Those of the destination.
 pub fn encode(to: impl Write, picture: &Picture, curve: ToneMap, exposure: f32) -> Result<(), atomic_write::Failure> {
-    let colours = &picture.colours;
-    let colours = parallel::collect(colours.len(), |i| tonemap::map(curve, exposure, colours[i]).map(tonemap::encode));
-    let (bytes, color): (Vec<u8>, _) = match &picture.alpha {
-        None => (colours.into_flattened(), png::ColorType::Rgb),
-        Some(alpha) => {
-            let opacity = alpha.iter().map(|alpha| (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
-            (colours.into_iter().zip(opacity).flat_map(|([r, g, b], a)| [r, g, b, a]).collect(), png::ColorType::Rgba)
-        }
-    };
-    encode_colour(to, (picture.width, picture.height), color, &bytes)
+    let Picture { width, height, colours, alpha } = picture;
+    let transparent = alpha.is_some();
+    let display = Display { exposure, tone_map: curve.into(), transparent };
+    let opacity = |i: usize| alpha.as_ref().map_or(1.0, |alpha| alpha[i]);
+    let pixels = parallel::collect(colours.len(), |i| display.pixel_of_straight(colours[i], opacity(i)));
+    encode_pixels(to, (*width, *height), &pixels, transparent)
 }
 
 /// Writes RGB of 8 bits, sRGB, row by row. The file is written atomically.
@@ -79,12 +75,21 @@ pub fn write_bytes(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
 pub fn write_image(path: &Path, image: &DisplayImage, transparent: bool) -> Result<(), Fault> {
-    let (bytes, color): (Vec<u8>, _) = if transparent {
-        (image.pixels.as_flattened().to_vec(), png::ColorType::Rgba)
-    } else {
-        (image.pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect(), png::ColorType::Rgb)
-    };
-    atomic_write::write(path, |file| encode_colour(file, (image.width, image.height), color, &bytes))
+    atomic_write::write(path, |file| encode_pixels(file, (image.width, image.height), &image.pixels, transparent))
+}
+
+/// Encodes pixels as [`Display::pixel`] makes them, without their opacity unless the picture is `transparent`.
+fn encode_pixels(
+    to: impl Write,
+    size: (u32, u32),
+    pixels: &[[u8; 4]],
+    transparent: bool,
+) -> Result<(), atomic_write::Failure> {
+    if transparent {
+        return encode_colour(to, size, png::ColorType::Rgba, pixels.as_flattened());
+    }
+    let bytes: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+    encode_colour(to, size, png::ColorType::Rgb, &bytes)
 }
 
 fn encode_colour(

@@ -1,6 +1,6 @@
 //! The report of a render, as JSON.
 
-use photon_core::{FluxSum, Forecast, LightShare, Outcome, PerMap, Render, Settings, Stage, StageTimings, Tally};
+use photon_core::{Film, FluxSum, Forecast, LightShare, Outcome, PerMap, Render, Settings, Stage, StageTimings, Tally};
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
@@ -17,6 +17,8 @@ pub struct Details<'a> {
     pub device: &'a str,
     /// Passes in a block; `None`: passes were added one by one on the device.
     pub grain: Option<u32>,
+    /// The whole film, if it is that of a file: it may have passes of earlier renders.
+    pub film: Option<&'a Film>,
     /// The settings.
     pub settings: &'a Settings,
     /// Result of the passes.
@@ -68,8 +70,6 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
     let (required, outcome) = (facts.required, details.outcome);
     let tally = &outcome.tally;
     let seconds = |stage: Stage| outcome.seconds.get(stage);
-    // Fractions of the scene's power.
-    let flux = |sum: &FluxSum| sum.value().map(|f| f / (outcome.paths.max(1)) as f64);
     let tracing = seconds(Stage::Emit) + seconds(Stage::Trace);
     let last = outcome.last.as_ref();
     json!({
@@ -105,26 +105,18 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         "predicted": outcome.predicted.as_ref().map(forecast),
         "reached": outcome.reached.as_ref().map(forecast),
         "paths": outcome.paths,
-        "counters": {
-            "emitted": tally.emitted,
-            "absorbed": tally.absorbed,
-            "escaped": tally.escaped,
-            "truncated": tally.truncated,
-            "dropped": tally.dropped,
-            "surfaces": tally.surfaces,
-            "too_deep": tally.too_deep + outcome.aimed.too_deep,
-            "stored": by_name(PerMap::from_fn(|kind| tally.stored[kind] + outcome.aimed.stored[kind])),
-            "balance": tally.balances(),
-        },
+        "counters": counters(tally, &outcome.aimed),
         // Counts of aimed paths; those that reached a diffuse surface served their purpose.
         "aimed": facts.aimed.map(|_| aimed(&outcome.aimed)),
-        "flux": {
-            "emitted": flux(&tally.flux_emitted),
-            "absorbed": flux(&tally.flux_absorbed),
-            "escaped": flux(&tally.flux_escaped),
-            "truncated": flux(&tally.flux_truncated),
-            "dropped": flux(&tally.flux_dropped),
-        },
+        "flux": flux(tally),
+        // All passes of the film file, where the figures above are of this run. Some may be uncounted, from an older version.
+        "film": details.film.map(|film| json!({
+            "passes": film.passes,
+            "passes_counted": film.tally.passes,
+            "counters": counters(&film.tally.photons, &film.tally.aimed),
+            "aimed": facts.aimed.map(|_| aimed(&film.tally.aimed)),
+            "flux": flux(&film.tally.photons),
+        })),
         "bytes": facts.memory.iter().cloned().map(|(label, bytes)| (label, Value::from(bytes))).collect::<serde_json::Map<_, _>>(),
         "seconds": seconds_of(&facts.setup, details),
         "photons_per_second": if tracing > 0.0 { tally.emitted as f64 / tracing } else { 0.0 },
@@ -167,6 +159,33 @@ fn seconds_of(setup: &StageTimings, details: &Details<'_>) -> Value {
 fn by_name<T: Into<Value>>(values: PerMap<T>) -> Value {
     let fields = values.into_iter().map(|(kind, value)| (kind.name().to_owned(), value.into()));
     Value::Object(fields.collect())
+}
+
+/// Counts of paths that were not aimed, and photons stored and paths too deep of all.
+fn counters(tally: &Tally, aimed: &Tally) -> Value {
+    json!({
+        "emitted": tally.emitted,
+        "absorbed": tally.absorbed,
+        "escaped": tally.escaped,
+        "truncated": tally.truncated,
+        "dropped": tally.dropped,
+        "surfaces": tally.surfaces,
+        "too_deep": tally.too_deep.saturating_add(aimed.too_deep),
+        "stored": by_name(PerMap::from_fn(|kind| tally.stored[kind].saturating_add(aimed.stored[kind]))),
+        "balance": tally.balances(),
+    })
+}
+
+/// Flux of paths that were not aimed, in fractions of the scene's power.
+fn flux(tally: &Tally) -> Value {
+    let share = |sum: &FluxSum| sum.value().map(|f| f / tally.emitted.max(1) as f64);
+    json!({
+        "emitted": share(&tally.flux_emitted),
+        "absorbed": share(&tally.flux_absorbed),
+        "escaped": share(&tally.flux_escaped),
+        "truncated": share(&tally.flux_truncated),
+        "dropped": share(&tally.flux_dropped),
+    })
 }
 
 /// Counts of aimed paths by fate; their flux is in fractions of the scene's power.

@@ -70,10 +70,16 @@ impl FluxSum {
         }
     }
 
+    /// The sum in these units.
+    #[must_use]
+    pub fn units(&self) -> [i128; 3] {
+        self.0
+    }
+
     /// Adds another sum.
     pub fn merge(&mut self, other: &Self) {
         for (sum, f) in self.0.iter_mut().zip(other.0) {
-            *sum += f;
+            *sum = sum.saturating_add(f);
         }
     }
 
@@ -135,18 +141,18 @@ impl Tally {
         sum.add(flux);
     }
 
-    /// Adds another tally.
+    /// Adds another tally. Sums beyond what the integers hold, which only a forged file can have, stay at the largest one.
     pub fn merge(&mut self, other: &Self) {
-        self.emitted += other.emitted;
-        self.absorbed += other.absorbed;
-        self.escaped += other.escaped;
-        self.truncated += other.truncated;
-        self.dropped += other.dropped;
-        self.terminated += other.terminated;
-        self.surfaces += other.surfaces;
-        self.too_deep += other.too_deep;
+        self.emitted = self.emitted.saturating_add(other.emitted);
+        self.absorbed = self.absorbed.saturating_add(other.absorbed);
+        self.escaped = self.escaped.saturating_add(other.escaped);
+        self.truncated = self.truncated.saturating_add(other.truncated);
+        self.dropped = self.dropped.saturating_add(other.dropped);
+        self.terminated = self.terminated.saturating_add(other.terminated);
+        self.surfaces = self.surfaces.saturating_add(other.surfaces);
+        self.too_deep = self.too_deep.saturating_add(other.too_deep);
         for (kind, stored) in self.stored.iter_mut() {
-            *stored += other.stored[kind];
+            *stored = stored.saturating_add(other.stored[kind]);
         }
         self.flux_emitted.merge(&other.flux_emitted);
         self.flux_absorbed.merge(&other.flux_absorbed);

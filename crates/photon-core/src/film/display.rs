@@ -36,14 +36,22 @@ impl Display {
     /// with `alpha`, which counts only if the display is transparent.
     #[must_use]
     pub fn pixel(&self, radiance: [f32; 3], alpha: f32) -> [u8; 4] {
-        let (radiance, opacity) = if self.transparent {
-            let straight = radiance.map(|part| if alpha > 0.0 { part / alpha } else { 0.0 });
-            (straight, (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)
-        } else {
-            (radiance, 255)
-        };
-        let [r, g, b] = self.tone_map.map(self.exposure, radiance).map(encode_srgb);
+        let straight = if self.transparent { Self::straight(radiance, alpha) } else { radiance };
+        self.pixel_of_straight(straight, alpha)
+    }
+
+    /// As [`Display::pixel`], of a colour that was divided by its opacity already.
+    #[must_use]
+    pub fn pixel_of_straight(&self, straight: [f32; 3], alpha: f32) -> [u8; 4] {
+        let [r, g, b] = self.tone_map.map(self.exposure, straight).map(encode_srgb);
+        let opacity = if self.transparent { (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8 } else { 255 };
         [r, g, b, opacity]
+    }
+
+    /// A colour divided by the opacity that it was multiplied with; black where that is 0.
+    #[must_use]
+    pub fn straight(premultiplied: [f32; 3], alpha: f32) -> [f32; 3] {
+        premultiplied.map(|part| if alpha > 0.0 { part / alpha } else { 0.0 })
     }
 }
 

@@ -2,12 +2,14 @@
 
 pub(crate) mod confidence;
 pub(crate) mod display;
+pub(crate) mod film_tally;
 pub(crate) mod forecast;
 pub(crate) mod pass_set;
 pub(crate) mod tone_map;
 
 use crate::error::{Error, Result};
 use crate::film::confidence::ErrorPixel;
+use crate::film::film_tally::FilmTally;
 use crate::film::pass_set::PassSet;
 use crate::parallel;
 use crate::scene::units::Units;
@@ -110,6 +112,8 @@ pub struct Film {
     /// Whether its only pass was cut short, with fewer photons than the settings ask for. Such a film can be shown, but
     /// neither merged nor stored.
     pub cut: bool,
+    /// What the photons of these passes did.
+    pub tally: FilmTally,
     /// Conversion to user space and watts.
     pub units: Units,
     /// Whether colours are clamped to `[0, 1]` when read, as in Lin and Wang 2010.
@@ -138,6 +142,7 @@ impl Film {
             passes: 0,
             contains: PassSet::default(),
             cut: false,
+            tally: FilmTally::default(),
             units,
             clamp: false,
         })
@@ -176,6 +181,7 @@ impl Film {
             mine.add(theirs);
         }
         self.passes += other.passes;
+        self.tally.merge(&other.tally);
         Ok(())
     }
 
@@ -285,6 +291,7 @@ mod tests {
             let mut film = Film::new(1, 1, Units::default()).unwrap();
             film.pixels[0].hits = 1;
             (film.passes, film.contains) = (passes.end - passes.start, PassSet::of(7, passes));
+            (film.tally.passes, film.tally.photons.emitted) = (film.passes, 10);
             film
         };
         let mut film = of(0..4);
@@ -296,6 +303,7 @@ mod tests {
         assert_eq!(film, before);
         film.merge(&of(4..5)).unwrap();
         assert_eq!((film.passes, film.contains, film.pixels[0].hits), (5, PassSet::of(7, 0..5), 2));
+        assert_eq!((film.tally.passes, film.tally.photons.emitted), (5, 20));
     }
 
     #[test]

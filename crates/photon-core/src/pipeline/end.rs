@@ -3,6 +3,7 @@
 use super::{Pipeline, State};
 use crate::backend::TransportBackend;
 use crate::error::{Error, Result};
+use crate::film::film_tally::FilmTally;
 use crate::film::pass_set::PassSet;
 use crate::radius::radii;
 use crate::radius::schedule::Schedule;
@@ -59,7 +60,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let radius = radii::given(&self.settings, &self.units);
         self.maps.iter_mut().for_each(|slot| slot.radius = radius);
         self.schedule = Schedule::new(self.settings.alpha);
-        (self.passes, self.contains, self.cut) = (0, PassSet::default(), false);
+        (self.passes, self.contains, self.cut, self.tally) = (0, PassSet::default(), false, FilmTally::default());
         self.points = None;
         self.bandwidth = Self::own_radii(&self.settings, &self.view);
         if let Some((plan, batch)) = self.cap {

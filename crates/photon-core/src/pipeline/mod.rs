@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::film::confidence::ErrorPixel;
 use crate::film::display::{Display, DisplayImage};
+use crate::film::film_tally::FilmTally;
 use crate::film::forecast::ErrorModel;
 use crate::film::pass_set::PassSet;
 use crate::pipeline::render::{Facts, PassEnd, Render};
@@ -63,6 +64,8 @@ pub struct Pipeline<B: TransportBackend> {
     /// The passes in the film, and whether its only one was cut short.
     contains: PassSet,
     cut: bool,
+    /// What their photons did.
+    tally: FilmTally,
     batch: u32,
     setup: StageTimings,
     rays: B::Buffer<PhotonRay>,
@@ -257,6 +260,7 @@ impl<B: TransportBackend> Pipeline<B> {
             passes: 0,
             contains: PassSet::default(),
             cut: false,
+            tally: FilmTally::default(),
             batch,
             setup: StageTimings::default(),
             rays,
@@ -358,7 +362,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
     fn film(&mut self) -> Result<Film> {
         let mut film = self.on.read_film(&self.film)?;
         film.clamp = self.settings.estimator.clamps();
-        (film.contains, film.cut) = (self.contains.clone(), self.cut);
+        (film.contains, film.cut, film.tally) = (self.contains.clone(), self.cut, self.tally.clone());
         Ok(film)
     }
 
@@ -377,7 +381,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         let film = self.film()?;
         self.on.clear_film(&mut self.film)?;
         self.schedule = self.schedule.without_passes();
-        (self.passes, self.contains, self.cut) = (0, PassSet::default(), false);
+        (self.passes, self.contains, self.cut, self.tally) = (0, PassSet::default(), false, FilmTally::default());
         Ok(film)
     }
 
@@ -487,6 +491,7 @@ impl<B: TransportBackend> Pipeline<B> {
             queries,
             seconds: self.on.timings()?,
         };
+        self.tally.add(&report);
         let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || sent.stop;
         Ok(if stop { PassEnd::Last(report) } else { PassEnd::Done(report) })
     }

@@ -55,7 +55,7 @@ fn damage_is_noticed() {
 /// Writes a file with the description of the film, changed by `change`, and its arrays.
 fn forged(path: &Path, change: impl FnOnce(&mut serde_json::Value)) {
     let Rendered { all, info, .. } = &*RENDERED;
-    let info = FilmInfo { errors: true, ..info.clone() };
+    let info = FilmInfo { errors: true, tally: all.tally.clone(), ..info.clone() };
     let header = std::cell::RefCell::new(Header::new(&info, &all.contains));
     atomic_write::write(path, |file| {
         let mut writer = FilmWriter::new(file, all.width, all.height);
@@ -79,11 +79,11 @@ fn descriptions_are_not_believed() {
     let path = folder.path().join("a.film");
     forged(&path, |_| {});
     assert!(load(&path).unwrap().0 == RENDERED.all, "the forger works");
-    forged(&path, |json| json["format"] = 2.into());
+    forged(&path, |json| json["format"] = 3.into());
     let error = load(&path).unwrap_err();
-    assert!(matches!(error, FilmFileError::Newer { found: 2, known: 1, .. }), "{error}");
+    assert!(matches!(error, FilmFileError::Newer { found: 3, known: 2, .. }), "{error}");
     type Change = fn(&mut serde_json::Value);
-    let cases: [(&str, Change); 10] = [
+    let cases: [(&str, Change); 14] = [
         // 2³¹ pixels: refused by the size of the arrays, without memory for them.
         ("needs 51539607680", |json| json["key"]["width"] = (1_u64 << 30).into()),
         ("2^31", |json| json["key"]["width"] = (1_u64 << 31).into()),
@@ -94,6 +94,10 @@ fn descriptions_are_not_believed() {
         ("arrays", |json| json["errors"] = false.into()),
         ("format", |json| json["format"] = "one".into()),
         ("units", |json| json["key"]["units"][3] = "7ff8000000000000".into()),
+        ("counts the photons of 7 passes, but has 6", |json| json["tally"]["passes"] = 7.into()),
+        ("map \"third\"", |json| json["tally"]["photons"]["stored"]["third"] = 1.into()),
+        ("flux \"1.5\"", |json| json["tally"]["aimed"]["flux_dropped"][2] = "1.5".into()),
+        ("integer `-1`", |json| json["tally"]["photons"]["emitted"] = (-1).into()),
         ("radii", |json| json["key"]["radii"][0] = "x".into()),
     ];
     for (culprit, change) in cases {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use photon_core::Settings;
+use photon_core::{FilmTally, Settings};
 
 use super::{RENDERED, render, settings};
 use crate::{FilmFileError, FilmInfo, FilmWords, Maker, load, merge, read_info, save};
@@ -26,6 +26,15 @@ fn blocks_merge_to_the_bits_of_a_single_render() {
         assert!(film == RENDERED.all && found == info && info.in_order, "{order:?}");
     }
     assert_eq!(read_info(&out).unwrap().makers[0].seconds, 4.5);
+    assert_eq!(read_info(&out).unwrap().tally, RENDERED.all.tally);
+    // A film without counts, as older versions wrote them: it is known how many passes were counted.
+    let mut uncounted = RENDERED.blocks[1].clone();
+    uncounted.tally = FilmTally::default();
+    save(&names[1], &uncounted, &RENDERED.info).unwrap();
+    let tally = merge(&out, &names).unwrap().tally;
+    assert_eq!((tally.passes, tally.photons.emitted), (4, 4 * 500));
+    assert!(load(&out).unwrap().0 != RENDERED.all);
+    save(&names[1], &RENDERED.blocks[1], &RENDERED.info).unwrap();
     // Two blocks first: the last one is added in order. The last two first: not.
     for (pair, last, in_order) in [([0, 1], 2, true), ([1, 2], 0, false)] {
         merge(&out, &pair.map(|i| names[i].clone())).unwrap();

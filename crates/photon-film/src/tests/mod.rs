@@ -54,6 +54,9 @@ fn a_film_comes_back() {
     assert_eq!((&found.key, &found.makers, &found.scene), (&info.key, &info.makers, &info.scene));
     assert!(found.contains == all.contains && found.in_order);
     assert_eq!(read_info(&path).unwrap(), found);
+    let tally = &found.tally;
+    assert_eq!((tally.passes, tally.photons.emitted), (6, 6 * 500));
+    assert!(tally.photons.balances() && tally.photons.stored.values().sum::<u64>() > 0);
     save(&again, &film, &found).unwrap();
     assert!(std::fs::read(&path).unwrap() == std::fs::read(&again).unwrap(), "the same film is the same file");
 
@@ -79,6 +82,15 @@ fn cut_and_unknown_passes_are_not_stored() {
     assert!(!path.exists());
 }
 
+/// A film of two passes of 500 paths that the second version wrote, in the present format: it stays readable.
+#[test]
+fn films_of_format_2_are_read() {
+    let bytes = include_bytes!("format2.film");
+    let (film, info) = load_from(std::io::Cursor::new(bytes), bytes.len() as u64, "format2.film".as_ref()).unwrap();
+    assert_eq!((film.width, film.height, film.passes, info.key.photons()), (2, 1, 2, 500));
+    assert_eq!((film.tally.passes, film.tally.photons.emitted, film.tally.photons.balances()), (2, 1000, true));
+}
+
 /// A film of two passes that the first version wrote.
 #[test]
 fn films_of_older_versions_are_read() {
@@ -90,6 +102,7 @@ fn films_of_older_versions_are_read() {
         film.pixels.iter().all(|pixel| pixel.hits == 1) && film.beauty().iter().flatten().all(|&value| value > 0.0)
     );
     assert_eq!((info.scene.as_str(), info.makers[0].backend.as_str()), ("cornell", "cpu"));
+    assert_eq!((film.tally.passes, info.tally.passes), (0, 0), "its photons were not counted");
 }
 
 /// NumPy opens the file, and its arrays are those of the film.

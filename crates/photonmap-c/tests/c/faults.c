@@ -2,6 +2,7 @@
 #include <float.h>
 #include <math.h>
 #include <photonmap.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -153,7 +154,7 @@ static void renderers(const PmScene *scene)
 {
     PmRenderer *renderer = NULL;
     PmFilm *film = NULL, *other = NULL;
-    PmFilmInfo info = {sizeof info, 0, 0, 0, 0, 0};
+    PmFilmInfo info = {sizeof info, 0, 0, 0, 0, 0, 0, 0, 0};
     PmView view = {sizeof view, NULL, 8, 6}, odd = {sizeof odd, NULL, 0, 6};
     const char *few = "{\"photons\": 500}";
     uint32_t done = 99;
@@ -252,7 +253,7 @@ static void casters(const PmScene *scene)
     /* Later, and again: the film has the passes before. */
     Same good = {{.1f, 0, .2f, .2f}, 0};
     PmFilm *film = NULL;
-    PmFilmInfo info = {sizeof info, 0, 0, 0, 0, 0};
+    PmFilmInfo info = {sizeof info, 0, 0, 0, 0, 0, 0, 0, 0};
     uint32_t done = 0;
     result = good;
     OK(pm_renderer_new(scene, &view, few, &device, &renderer));
@@ -264,7 +265,12 @@ static void casters(const PmScene *scene)
     OK(pm_renderer_passes(renderer, 1, 1, NULL, NULL, &done));
     OK(pm_renderer_take(renderer, &film));
     OK(pm_film_info(film, &info));
-    TRUE(info.passes == 2);
+    /* A pass that failed is not counted. */
+    TRUE(info.passes == 2 && info.counted == 2 && info.paths >= 2 * 500 && info.photons > 0);
+    /* A program that was compiled before there were counts. */
+    info.size = offsetof(PmFilmInfo, paths), info.paths = 77, info.photons = 77;
+    OK(pm_film_info(film, &info));
+    TRUE(info.passes == 2 && info.paths == 77 && info.photons == 77);
     pm_film_free(film);
     pm_renderer_free(renderer);
 }

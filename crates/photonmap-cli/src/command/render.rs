@@ -2,8 +2,8 @@
 #![expect(clippy::print_stderr, reason = "warnings and the closing line go to standard error")]
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use photon_core::{LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
@@ -63,7 +63,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let seconds_passes = ready.elapsed().as_secs_f64();
     watch.finish(&film);
     let renderer = &*renderers[0];
-    let device = render_blocks::devices(&renderers);
+    let device = backend::names(&renderers);
     let grain = if render_blocks::in_blocks(args) {
         Some(render_blocks::blocks(args, &settings, settings.photons, renderers.len())?.grain())
     } else {
@@ -81,6 +81,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         size: args.settings.picture.size,
         device: &device,
         grain,
+        film: args.film.film.as_ref().map(|_| &film),
         settings: &settings,
         outcome: &outcome,
         load: &loaded,
@@ -204,8 +205,14 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
     Ok(args.files.output.clone())
 }
 
-/// A flag that is set by Ctrl-C.
+/// A flag that is set by Ctrl-C. A process has one, which later renders share.
 pub(super) fn interrupt() -> Result<Arc<AtomicBool>, Fault> {
+    static FLAG: Mutex<Option<Arc<AtomicBool>>> = Mutex::new(None);
+    let mut flag = FLAG.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(stop) = &*flag {
+        stop.store(false, Ordering::SeqCst);
+        return Ok(Arc::clone(stop));
+    }
     let stop = Arc::new(AtomicBool::new(false));
     let heard = Arc::clone(&stop);
     let handler = ctrlc::set_handler(move || {
@@ -215,6 +222,7 @@ pub(super) fn interrupt() -> Result<Arc<AtomicBool>, Fault> {
         }
     });
     handler.map_err(Fault::failure)?;
+    *flag = Some(Arc::clone(&stop));
     Ok(stop)
 }
 

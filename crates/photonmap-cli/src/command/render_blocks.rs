@@ -117,16 +117,6 @@ pub(super) fn in_blocks(args: &RenderArgs) -> bool {
     args.film.film.is_some() || args.film.grain.is_some() || args.machine.several()
 }
 
-/// The devices of the renderers, in words.
-pub(super) fn devices(renderers: &[Box<dyn Render>]) -> String {
-    let all: Vec<String> = renderers.iter().map(|renderer| renderer.facts().device).collect();
-    match all.as_slice() {
-        [device] => device.clone(),
-        [first, others @ ..] if others.iter().all(|other| other == first) => format!("{} × {first}", all.len()),
-        _ => all.join(", "),
-    }
-}
-
 /// Renders all blocks; the film is in memory alone.
 pub(super) fn run(
     args: &RenderArgs,

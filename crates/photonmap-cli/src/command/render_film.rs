@@ -11,11 +11,11 @@ use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
 
 use crate::args::RenderArgs;
-use crate::atomic_write;
 use crate::command::render_blocks;
 use crate::fault::Fault;
 use crate::progress::Progress;
 use crate::watch::Watch;
+use crate::{atomic_write, backend};
 
 /// A render into a film file.
 pub(super) struct FilmOfRender {
@@ -43,7 +43,7 @@ pub(super) fn run(
     renderers: &mut [Box<dyn Render>],
     (watch, stop): (&mut Watch, &AtomicBool),
 ) -> Result<FilmOfRender, Fault> {
-    let device = render_blocks::devices(renderers);
+    let device = backend::names(renderers);
     let renderer = &mut *renderers[0];
     let facts = renderer.facts();
     render_blocks::check_memory(facts.photons, settings)?;

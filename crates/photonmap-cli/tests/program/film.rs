@@ -84,8 +84,16 @@ fn a_job_array_is_a_single_render() {
     assert!(stderr(&merged).contains("8 passes of 2 films (0..8)") && !stderr(&merged).contains("note"), "{merged:?}");
     assert!(film(out) == film(one));
     // A film of an array can be continued, too.
-    succeeded(&render(a, &["--passes", "8", "--grain", "4"]));
+    let json = folder.join("a.json");
+    succeeded(&render(a, &["--passes", "8", "--grain", "4", "--json", json.to_str().unwrap()]));
     assert!(film(a) == film(one));
+    // The report has the photons of this run, and of the whole film.
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+    let of_film = &report["film"];
+    assert_eq!((report["passes"].as_u64(), report["counters"]["emitted"].as_u64()), (Some(4), Some(8000)));
+    assert_eq!((of_film["passes"].as_u64(), of_film["passes_counted"].as_u64()), (Some(8), Some(8)));
+    assert_eq!(of_film["counters"]["emitted"].as_u64(), Some(16000));
+    assert_eq!(of_film["counters"]["balance"].as_bool(), Some(true));
 
     let picture = folder.join("picture.exr");
     succeeded(&run("picture", &[paths[3], "-o", picture.to_str().unwrap()]));
@@ -98,6 +106,10 @@ fn a_job_array_is_a_single_render() {
     for part in ["cornell", "16x12", "0..8 (8 in all)", "2000 paths", "grain        4", "cpu on", "shadow_rays = 2"] {
         assert!(text.contains(part), "{part}: {text}");
     }
+
+    // Of all jobs together.
+    assert!(text.contains("16000 emitted: ") && !text.contains("WRONG"), "{text}");
+    assert!(stdout(&run("info", &[paths[2]])).contains("8000 emitted: "));
 
     refused(&run("merge", &[paths[3], paths[0], paths[2]]), "b.film: passes 4..8 of seed 0");
     refused(&run("picture", &[paths[3], "-o", "out.jpg"]), "out.jpg");

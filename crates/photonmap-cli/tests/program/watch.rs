@@ -3,6 +3,7 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::Stdio;
+use std::time::{Duration, Instant};
 
 use crate::support::{folder, photonmap, refused, succeeded};
 
@@ -25,6 +26,46 @@ fn a_preview_ends_as_the_picture() {
     refused(&render(preview, &["--show"]), "--show: standard error is not a terminal");
     refused(&render(preview, &["--tev=127.0.0.1:1"]), "--tev=127.0.0.1:1");
     refused(&render(preview, &["--serve", "everywhere"]), "--serve");
+}
+
+/// While a render goes on, its preview changes, and is a whole picture whenever it is read.
+#[test]
+fn a_preview_follows_the_render() {
+    let folder = folder("preview-during");
+    let preview = folder.join("preview.png");
+    let mut child = photonmap("render")
+        .args(&SCENE[..7])
+        // Of a given exposure: the picture that the backend shows, without a film.
+        .args(["--exposure", "0.5", "--time", "300", "--preview", preview.to_str().unwrap()])
+        .args(["-o", folder.join("a.png").to_str().unwrap()])
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut seen: Vec<Vec<u8>> = Vec::new();
+    let begun = Instant::now();
+    while seen.len() < 3 && begun.elapsed() < Duration::from_secs(60) {
+        if let Ok(bytes) = std::fs::read(&preview)
+            && seen.last() != Some(&bytes)
+        {
+            seen.push(bytes);
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(seen.len(), 3, "pictures of one, two and four passes");
+    let pictures: Vec<Vec<u8>> = seen
+        .iter()
+        .map(|bytes| {
+            let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+            let mut pixels = vec![0; 24 * 16 * 3];
+            assert_eq!(reader.output_buffer_size(), Some(pixels.len()), "24 x 16 pixels of three bytes");
+            reader.next_frame(&mut pixels).unwrap();
+            pixels
+        })
+        .collect();
+    assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2]);
+    assert!(pictures.iter().flatten().any(|&value| value > 20), "they are not black");
 }
 
 /// A page shows the passes of a running render; when it is closed, the render goes on.
@@ -57,7 +98,7 @@ fn a_page_shows_a_running_render() {
         if seen.len() == 3 {
             break;
         }
-        std::thread::sleep(std::time::Duration::from_millis(50));
+        std::thread::sleep(Duration::from_millis(50));
     }
     child.kill().unwrap();
     child.wait().unwrap();

@@ -1,0 +1,31 @@
+//! What the photons of a film did, so that continued and merged renders report all of their passes.
+
+use crate::backend::observer::PassReport;
+use crate::backend::tally::Tally;
+
+/// Counts and flux of the photons of a film's passes. They are sums of integers: exact, in any order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct FilmTally {
+    /// Number of passes that were counted: fewer than [`crate::Film::passes`] if parts of the film are from files without
+    /// counts, or were filled by hand.
+    pub passes: u32,
+    /// Paths that were not aimed.
+    pub photons: Tally,
+    /// Aimed paths.
+    pub aimed: Tally,
+}
+
+impl FilmTally {
+    /// Adds a pass.
+    pub(crate) fn add(&mut self, report: &PassReport) {
+        self.merge(&Self { passes: 1, photons: report.tally, aimed: report.aimed });
+    }
+
+    /// Adds the counts of other passes.
+    pub fn merge(&mut self, other: &Self) {
+        self.passes = self.passes.saturating_add(other.passes);
+        self.photons.merge(&other.photons);
+        self.aimed.merge(&other.aimed);
+    }
+}

@@ -48,7 +48,7 @@ class Film:
     def counts(self) -> dict[str, Any]:
         """What the photons of all passes did, also of those that were rendered earlier or elsewhere.
 
-        "passes": how many were counted, fewer than `passes` if some are from a file of an older version. "paths" and
+        "passes": how many were counted, fewer than `passes` if some are from a file without counts. "paths" and
         "aimed_paths": how many were emitted, and how they ended: absorbed, escaped, terminated (aimed ones at a diffuse surface),
         truncated, dropped. "stored": photons by map.
         """

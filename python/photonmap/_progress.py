@@ -26,6 +26,15 @@ class Progress:
     error: float | None
 
 
+def _level_outside() -> int:
+    """The `stacklevel` of the first frame that is not of this package, for a warning of the function that calls this one."""
+    package = __name__.partition(".")[0]
+    frame, level = sys._getframe(1), 1
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+        frame, level = frame.f_back, level + 1
+    return level
+
+
 class Reporter:
     """Receives the events of a renderer, and shows the progress or calls a function with it."""
 
@@ -38,7 +47,7 @@ class Reporter:
     def __call__(self, kind: str, number: int, count: int, value: float, text: str) -> bool:
         """False stops the render."""
         if kind == "warning":
-            warnings.warn(text, RuntimeWarning, stacklevel=4)
+            warnings.warn(text, RuntimeWarning, stacklevel=_level_outside())
             return True
         if kind == "error":
             self._error = value

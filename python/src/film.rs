@@ -117,8 +117,8 @@ impl RawFilm {
                 ("dropped", tally.dropped),
             ]
         };
-        let stored = |kind: &MapKind| (kind.name(), photons.stored[*kind].saturating_add(aimed.stored[*kind]));
-        (*passes, of(photons), of(aimed), MapKind::ALL.iter().map(stored).collect())
+        let stored = self.film.tally.stored();
+        (*passes, of(photons), of(aimed), MapKind::ALL.iter().map(|kind| (kind.name(), stored[*kind])).collect())
     }
 
     /// A layer, `beauty`, `normal` or `albedo`: rows of pixels from the top, RGB or XYZ, flat.

@@ -43,12 +43,12 @@ fn lit_by_one_texel(side: usize) -> (photon_scene::Scene, f64) {
 }
 
 /// V6: under a light that is a bright texel in the dark, claims hold or are [`Flags::RARE`] wherever the bright part was found.
-/// Of 4² texels the linear filter lights a quarter, which most passes find, and 93 % of the intervals hold. Of 16² texels it
+/// Of 4² texels the linear filter lights a quarter, which most passes find, and 93 % of the intervals hold, less 4.5 standard errors. Of 16² texels it
 /// lights p = 1/32 of the brighter triangle, which four of 128 shadow rays of a pixel find, and most pixels are flagged. A
 /// pixel whose rays all missed it, `(1 − p)¹²⁸` of them, cannot know of it: that is the known limit of all claims.
 pub fn v6_claims_under_a_bright_texel<T: TestBackend>() {
     let (passes, size) = (64, 16);
-    for (side, most_claims) in [(4, 1.0), (16, 0.2)] {
+    for (side, claims) in [(4, 0.5..=1.0), (16, 0.0..=0.2)] {
         let (scene, truth) = lit_by_one_texel(side);
         let settings = Settings { errors: true, photons: 100, ..direct_settings(Direct::Nee, 0.05) };
         let intervals = film::<T>(&scene, &settings, passes, size).confidence_intervals().unwrap();
@@ -60,7 +60,7 @@ pub fn v6_claims_under_a_bright_texel<T: TestBackend>() {
         // Of n intervals that hold with a probability of .95: √(.95 · .05/n).
         let share = held as f64 / claimed.len().max(1) as f64;
         assert!(claimed.is_empty() || share > 0.93 - 4.5 * (0.95 * 0.05 / claimed.len() as f64).powf(0.5), "{what}");
-        assert!(claimed.len() as f64 <= most_claims * found.len() as f64, "{what}");
+        assert!(claims.contains(&(claimed.len() as f64 / found.len() as f64)), "{what}");
         assert!(found.iter().all(|interval| (interval.flags - Flags::RARE).is_empty()), "{what}");
         // Two rays a pass; at 4² the part of the brighter triangle is larger still.
         let part = 8.0 / (side * side) as f64;

@@ -127,6 +127,7 @@ pub fn v16_sizes_and_requirements<T: TestBackend>() {
         on = back;
         assert!(!is_power || found.pixels == expected.pixels, "{size:e}");
         let apart = mean(&found) / mean(&expected) - 1.0;
+        // Chosen: photons that rounding sends elsewhere; another seed differs by more, below.
         assert!(apart.abs() < 2e-3, "{size:e}: {apart}");
     }
     let (other, on) = picture(on, &original, derived, 7);

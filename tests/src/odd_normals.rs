@@ -26,7 +26,7 @@ fn shown<T: TestBackend>(scene: &Scene, direct: Direct) -> (f64, f64) {
     (moments(&values).0, standard_error(&values))
 }
 
-/// V12: vertex normals that are zero, not finite, behind their triangle or in its plane are replaced by the geometric one: in
+/// V12: vertex normals that are zero, not finite or behind their triangle are replaced by the geometric one: in
 /// parallel light the square shows `ρ E cos θ/π`, by shadow rays and photons.
 pub fn v12_bad_vertex_normals<T: TestBackend>() {
     let cosine = 0.6;

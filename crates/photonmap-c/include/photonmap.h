@@ -675,7 +675,7 @@ typedef struct PmFilmInfo {
    */
   uint32_t errors;
   /**
-   * Passes whose photons were counted: fewer than `passes` if some are from a file of an older version.
+   * Passes whose photons were counted: fewer than `passes` if some are from a file without counts.
    */
   uint32_t counted;
   /**

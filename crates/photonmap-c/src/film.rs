@@ -72,7 +72,7 @@ pub struct PmFilmInfo {
     pub cut: u32,
     /// Not 0: there is an error map.
     pub errors: u32,
-    /// Passes whose photons were counted: fewer than `passes` if some are from a file of an older version.
+    /// Passes whose photons were counted: fewer than `passes` if some are from a file without counts.
     pub counted: u32,
     /// Paths that were emitted in these passes, aimed ones included.
     pub paths: u64,

@@ -109,7 +109,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         // Counts of aimed paths; those that reached a diffuse surface served their purpose.
         "aimed": facts.aimed.map(|_| aimed(&outcome.aimed)),
         "flux": flux(tally),
-        // All passes of the film file, where the figures above are of this run. Some may be uncounted, from an older version.
+        // All passes of the film file, where the figures above are of this run. Some may be from a file without counts.
         "film": details.film.map(|film| json!({
             "passes": film.passes,
             "passes_counted": film.tally.passes,

@@ -16,7 +16,7 @@ use super::{Input, Output, assert_twin, glossy};
 use crate::{Vulkan, shaders};
 
 /// Largest relative error of one rounding.
-const STEP: f64 = 6e-8;
+pub(super) const STEP: f64 = 6e-8;
 
 /// Squares of roughnesses: the least width, beside it, and others to 1.
 const WIDTHS: [f32; 6] = [1e-3, 1.001e-3, 3e-3, 0.01, 0.1, 1.0];

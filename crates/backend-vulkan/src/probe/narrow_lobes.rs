@@ -8,12 +8,11 @@ use photon_core::sampling;
 use super::compare::Bound;
 use super::draw::{Draw, input};
 use super::glossy::{self, NORMAL};
+use super::narrow::STEP;
 use super::table::{Row, Twin};
 use super::{Input, assert_twin, rough_glass, run_row, words_of};
 use crate::{Vulkan, shaders};
 
-/// Largest relative error of one rounding.
-const STEP: f64 = 6e-8;
 /// Errors of a direction in the frame of the surface and of a sum of two, in steps, with those of a square root and a
 /// division.
 const STEPS: f64 = 24.0;
@@ -22,6 +21,7 @@ const STEPS: f64 = 24.0;
 const WIDTHS: [f32; 4] = [1.001e-3, 3e-3, 0.01, 0.1];
 const COSINES: [f32; 6] = [1e-4, 1e-3, 0.02, 0.3, 0.9, 1.0];
 
+/// What is allowed where rounding is not amplified: ten times the bound of the probes at wider lobes. Chosen, not derived.
 const ALONE: f64 = 1e-3;
 
 /// The functions, their twins and their bounds.

@@ -17,6 +17,12 @@ pub struct FilmTally {
 }
 
 impl FilmTally {
+    /// The photons that were stored in each map, of both kinds of paths.
+    #[must_use]
+    pub fn stored(&self) -> PerMap<u64> {
+        PerMap::from_fn(|kind| self.photons.stored[kind].saturating_add(self.aimed.stored[kind]))
+    }
+
     /// Adds a pass.
     pub(crate) fn add(&mut self, report: &PassReport) {
         self.merge(&Self { passes: 1, photons: report.tally, aimed: report.aimed });

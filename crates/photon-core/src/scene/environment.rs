@@ -148,7 +148,7 @@ impl EnvironmentMap {
     }
 
     /// Mean radiance over all directions. It is linear in θ between the centres of rows, and constant beyond the first and
-    /// the last: the mean at the corners of a cell would be up to a seventh off for a map that is bright at a pole alone.
+    /// the last: the mean at the corners of a cell would be up to 15 % off for a map that is bright at a pole alone.
     fn integral_over_sphere(&self) -> [f64; 3] {
         let step = std::f64::consts::PI / f64::from(self.height);
         // ∫ t/h cos t dt and ∫ t/h sin t dt, from 0 to h.

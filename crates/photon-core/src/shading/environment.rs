@@ -234,7 +234,7 @@ mod tests {
     }
 
     /// V13: the mean radiance of a map of one row of texels, of the row at a pole alone, and with a factor of 10^±30, is the
-    /// integral of lookups over cos θ by the midpoint rule in rows; it is scaled without rounding but that of texels.
+    /// integral of lookups over θ, weighted by sin θ, by the midpoint rule in rows; it is scaled without rounding but that of texels.
     #[test]
     fn means_are_exact() {
         for (width, height, row) in [(1_usize, 1_usize, 0), (64, 32, 0), (64, 32, 31), (4, 2, 1), (8, 5, 2)] {

@@ -42,8 +42,8 @@ impl Cells {
         self.counts[row * COLUMNS + column] += 1.0;
     }
 
-    /// Σ (n − e)²/e of all samples for this density, and what it is below but for one sample in 10⁵: the number of cells
-    /// plus 4.5 standard deviations, √(2 cells). Cells of fewer than 10 expected directions count as one.
+    /// Σ (n − e)²/e of all samples for this density, and a bound: the number of cells plus 4.5 standard deviations, √(2 cells), which
+    /// one seed in 16 000 exceeds with 97 cells, and one in 2500 with 20 (Wilson and Hilferty 1931). Cells of fewer than 10 expected directions count as one.
     fn statistic(&self, density: impl Fn(Vec3) -> f32) -> (f64, f64) {
         let (x, y) = sampling::basis(self.axis);
         let (mut sum, mut cells, mut rest) = (0.0, 0.0_f64, [0.0, 0.0]);

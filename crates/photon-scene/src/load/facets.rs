@@ -36,7 +36,8 @@ pub(super) fn note(builder: &SceneBuilder, report: &mut LoadReport) {
     }
 }
 
-/// Whether the surface reflects or refracts light in single directions.
+/// Whether the surface reflects or refracts light in single directions. Sheets are left out: what passes is not bent, and they
+/// reflect little.
 fn is_specular(material: &MaterialDesc) -> bool {
     match material.surface {
         Surface::Mirror { .. } => true,

@@ -81,8 +81,8 @@ fn counted(info: &FilmInfo) -> Vec<(&'static str, String)> {
              dropped{balance}"
         )
     };
-    let stored = MapKind::ALL
-        .map(|kind| format!("{} in the {} map", photons.stored[kind].saturating_add(aimed.stored[kind]), kind.name()));
+    let stored = info.tally.stored();
+    let stored = MapKind::ALL.map(|kind| format!("{} in the {} map", stored[kind], kind.name()));
     let mut lines = vec![("paths", of(photons))];
     if aimed.emitted > 0 {
         lines.push(("aimed paths", of(aimed)));
@@ -94,7 +94,7 @@ fn counted(info: &FilmInfo) -> Vec<(&'static str, String)> {
         lines.push(("warning", format!("{too_deep} paths entered more than {depth} overlapping solids at once")));
     }
     if u64::from(*passes) < all {
-        lines.push(("counted", format!("{passes} of {all} passes; the others were written by an older version")));
+        lines.push(("counted", format!("{passes} of {all} passes; the others are from a file without counts")));
     }
     lines
 }

@@ -3,6 +3,9 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use photon_scene::shapes::icosphere;
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, SceneBuilder, VertexAttributes};
+
 use crate::support::{channels, folder, refused, render, run, stderr, succeeded};
 
 const ALBEDO: f64 = 0.6;
@@ -169,4 +172,46 @@ fn a_starter_file_changes_nothing_until_it_is_edited() {
     refused(&render(&["cornell", "--overrides", "auto"]), "cornell is a built-in scene");
     refused(&render(&[folder.join("gone.glb").to_str().unwrap(), "--overrides", "auto"]), "gone.glb");
     assert!(!folder.join("gone.toml").exists());
+}
+
+/// A glass ball in the sun, as Blender writes it: a sheet of transmission 1 in a mesh with normals, and lights in lux.
+fn ball_in_the_sun(folder: &Path) -> String {
+    const CENTER: [f64; 3] = [0.0, 0.65, 0.0];
+    let mut scene = SceneBuilder::new();
+    let floor = scene.material(MaterialDesc::lambert("Floor", [ALBEDO; 3]));
+    scene.quad("floor", [[-0.6, 0.0, 0.6], [0.6, 0.0, 0.6], [0.6, 0.0, -0.6], [-0.6, 0.0, -0.6]], floor);
+    let glass = scene.material(MaterialDesc::thin("Glass", 1.5));
+    let (positions, triangles) = icosphere(4, CENTER, 0.5);
+    let normals = positions.iter().map(|at| std::array::from_fn(|axis| at[axis] - CENTER[axis])).collect();
+    let smooth = VertexAttributes::default().with_normals(normals);
+    scene.mesh_with("ball", positions, triangles, smooth, glass);
+    scene.light("Sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [SUN * EFFICACY; 3] });
+    // Under the ball, which focuses parallel light 0.75 below its centre, and less far beside its axis.
+    scene.camera("Camera", CameraDesc::look_at([2.0, 0.6, 0.0], [0.0; 3], [0.0, 1.0, 0.0], 0.02));
+    let path = folder.join("scene.glb");
+    std::fs::write(&path, photon_scene::glb(&scene).unwrap()).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// The override file of `docs/blender.md` makes the caustic: without its glass the ball casts hardly a shadow.
+#[test]
+fn overrides_of_the_documentation_make_a_caustic() {
+    let folder = folder("blender-caustic");
+    let path = ball_in_the_sun(&folder);
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/blender.md")).unwrap();
+    let lines = page.split("```toml").nth(1).unwrap().split("```").next().unwrap();
+    let overrides = folder.join("scene.toml");
+    std::fs::write(&overrides, lines).unwrap();
+    let unobstructed = ALBEDO / PI * SUN;
+    let picture = folder.join("caustic.exr");
+    let render = |options: &[&str]| {
+        let small = ["--size", "8x8", "--photons", "100000", "--passes", "2", "--backend", "cpu"];
+        succeeded(&render(&[&[path.as_str()], options, &small, &["-o", picture.to_str().unwrap()]].concat()));
+        let green = &channels(&picture)["G"];
+        green.iter().map(|&v| f64::from(v)).sum::<f64>() / green.len() as f64 / unobstructed
+    };
+    let caustic = render(&["--overrides", overrides.to_str().unwrap()]);
+    let sheet = render(&["--light-units", "standard"]);
+    assert!(caustic > 5.0, "{caustic}");
+    assert!(sheet > 0.5 && sheet < 1.0, "{sheet}");
 }

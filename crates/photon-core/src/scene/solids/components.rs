@@ -33,10 +33,12 @@ fn components(
                 .filter(|of| of.1 == medium)
                 .map(|&(triangle, _)| (triangle, scene.triangles[triangle as usize]))
         };
+        let mut used = Vec::new();
         for (_, [a, b, c]) in triangles() {
             for vertex in [a, b, c] {
                 if parents[vertex as usize] == u32::MAX {
                     parents[vertex as usize] = vertex;
+                    used.push(vertex);
                 }
             }
             unite(parents, a, b);
@@ -44,8 +46,7 @@ fn components(
         }
         if by_place {
             let place = |vertex: u32| scene.positions[vertex as usize].map(|x| (x + 0.0).to_bits());
-            let used = (0..parents.len() as u32).filter(|&vertex| parents[vertex as usize] != u32::MAX);
-            let mut places: Vec<([u32; 3], u32)> = used.map(|vertex| (place(vertex), vertex)).collect();
+            let mut places: Vec<([u32; 3], u32)> = used.iter().map(|&vertex| (place(vertex), vertex)).collect();
             places.sort_unstable();
             for pair in places.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
                 unite(parents, pair[0].1, pair[1].1);
@@ -55,7 +56,7 @@ fn components(
             triangles().map(|(triangle, [a, ..])| (root(parents, a), triangle)).collect();
         by_root.sort_unstable();
         solids.extend(by_root.chunk_by(|a, b| a.0 == b.0).map(|same| solid(scene, medium, same)));
-        for vertex in triangles().flat_map(|(_, corners)| corners) {
+        for vertex in used {
             parents[vertex as usize] = u32::MAX;
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::backend::observer::PassReport;
 use crate::backend::tally::Tally;
+use crate::requirements::map_kind::PerMap;
 
 /// Counts and flux of the photons of a film's passes. They are sums of integers: exact, in any order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

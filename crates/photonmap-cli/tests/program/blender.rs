@@ -193,7 +193,7 @@ fn ball_in_the_sun(folder: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// The override file of `docs/blender.md` makes the caustic: without its glass the ball casts hardly a shadow.
+/// The override file of `docs/blender.md` makes the caustic: without its glass there is hardly one.
 #[test]
 fn overrides_of_the_documentation_make_a_caustic() {
     let folder = folder("blender-caustic");
@@ -212,6 +212,7 @@ fn overrides_of_the_documentation_make_a_caustic() {
     };
     let caustic = render(&["--overrides", overrides.to_str().unwrap()]);
     let sheet = render(&["--light-units", "standard"]);
-    assert!(caustic > 5.0, "{caustic}");
-    assert!(sheet > 0.5 && sheet < 1.0, "{sheet}");
+    assert!(caustic > 20.0, "{caustic}");
+    // Most light goes straight on; what the sides of the ball reflect crosses here too.
+    assert!(sheet > 0.5 && sheet < 3.0, "{sheet}");
 }

@@ -48,13 +48,13 @@ pub(crate) fn add_blocks(
         let sums = if film.film.passes > 0 {
             let path = file.as_ref().map_or_else(|| "film".into(), |(path, _)| path.clone());
             film.info.key.check(&now.key, &path)?;
-            // A placeholder until the blocks are added.
+            // Moved, since films are large: below it takes the place of this empty one, whatever happens between.
             Some(std::mem::replace(&mut film.film, Film::new(1, 1, renderer.units())?))
         } else {
             film.info = FilmInfo::new(now.key.clone(), &now.scene);
             None
         };
-        let mut state = Sums { film: sums, info: film.info.clone(), maker: now.makers, begun: Instant::now() };
+        let mut state = Sums { film: sums, info: film.info.clone(), makers: now.makers, begun: Instant::now() };
         let mut file = file.map(|(path, seconds)| File {
             path,
             every: Duration::try_from_secs_f64(seconds.max(0.0)).unwrap_or(Duration::MAX),
@@ -63,9 +63,9 @@ pub(crate) fn add_blocks(
         });
         let mut raised = None;
         let result = {
-            let Sums { film, info, maker, begun } = &mut state;
+            let Sums { film, info, makers, begun } = &mut state;
             let mut after_block = |film: &Film| match &mut file {
-                Some(file) => file.after_block(film, &described(info, maker, *begun), &mut raised),
+                Some(file) => file.after_block(film, &described(info, makers, *begun), &mut raised),
                 None => Ok(()),
             };
             let mut observer = observe(observer.as_ref(), &mut latch);
@@ -74,7 +74,7 @@ pub(crate) fn add_blocks(
                 all => render_blocks_in_parallel(all, &blocks, film, &mut observer, &mut after_block),
             }
         };
-        let info = described(&state.info, &state.maker, state.begun);
+        let info = described(&state.info, &state.makers, state.begun);
         let saved = match (&state.film, &file) {
             (Some(film), Some(file)) if !file.is_whole => save(&file.path, film, &info).map_err(Failure::from),
             _ => Ok(()),
@@ -106,7 +106,7 @@ pub(crate) fn add_blocks(
 struct Sums {
     film: Option<Film>,
     info: FilmInfo,
-    maker: Vec<Maker>,
+    makers: Vec<Maker>,
     begun: Instant,
 }
 

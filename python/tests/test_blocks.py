@@ -18,6 +18,12 @@ import photonmap as pm
 JOB = {"scene": "cornell", "size": (16, 12), "photons": 3000, "passes": 8, "grain": 2}
 
 
+def interrupt(progress):
+    """Ctrl-C after five passes."""
+    if progress.passes == 5:
+        raise KeyboardInterrupt
+
+
 def bits(film):
     """All sums, as the arrays of a film file."""
     arrays = [*film.layers.values(), film.error, film.normal, film.albedo, film.depth]
@@ -274,11 +280,6 @@ def test_a_film_is_continued(expected, tmp_path):
 
 def test_what_was_finished_before_ctrl_c_is_kept(expected, tmp_path):
     path = tmp_path / "a.film"
-
-    def interrupt(progress):
-        if progress.passes == 5:
-            raise KeyboardInterrupt
-
     with pytest.raises(KeyboardInterrupt):
         pm.render(**JOB, film=path, progress=interrupt)
     assert pm.Film.load(path).passes == 4

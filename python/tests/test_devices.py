@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 import photonmap as pm
-from test_blocks import JOB, bits
+from test_blocks import JOB, bits, interrupt
 
 ONE = "gpu:" + os.environ.get("PHOTON_VK_DEVICE", "0")
 TWO = f"{ONE},{ONE[4:]}"
@@ -41,11 +41,6 @@ def test_devices_share_the_blocks(expected, tmp_path):
 
 def test_devices_stop_together(expected, tmp_path):
     path = tmp_path / "a.film"
-
-    def interrupt(progress):
-        if progress.passes == 5:
-            raise KeyboardInterrupt
-
     with pytest.raises(KeyboardInterrupt):
         pm.render(**JOB, device=TWO, film=path, progress=interrupt)
     if path.exists():

@@ -53,8 +53,8 @@ fn scene(size: f64, gloss: bool) -> Scene {
         quad(&mut builder, leaf, paint);
     }
     let shining = TexturesDesc::default().with_emission(colors);
-    let lamp = [[0.2, 1.3, -0.3], [0.7, 1.3, -0.3], [0.7, 1.3, 0.3], [0.2, 1.3, 0.3]];
-    quad(&mut builder, lamp, MaterialDesc::emissive("lamp", [0.0; 3], [3.0, 2.5, 2.0]).with_textures(shining));
+    let corners = [[0.2, 1.3, -0.3], [0.7, 1.3, -0.3], [0.7, 1.3, 0.3], [0.2, 1.3, 0.3]];
+    quad(&mut builder, corners, MaterialDesc::emissive("area light", [0.0; 3], [3.0, 2.5, 2.0]).with_textures(shining));
     let frosted = Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [0.9, 1.0, 0.9], roughness: 0.4 };
     let [first, second] = match gloss {
         false => [MaterialDesc::lambert("plaster", [0.8, 0.7, 0.6]), MaterialDesc::mirror("mirror", [0.9; 3])],

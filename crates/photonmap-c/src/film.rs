@@ -4,7 +4,7 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use photonmap::film::{self as files, FilmFileError, FilmInfo};
-use photonmap::{ConfidenceInterval, Film, Layer, Tally};
+use photonmap::{ConfidenceInterval, Film, Layer};
 use photonmap_cli::png_file::Picture;
 use photonmap_cli::tonemap::ToneMap;
 use photonmap_cli::{exr_file, png_file};
@@ -94,7 +94,6 @@ pub unsafe extern "C" fn pm_film_info(film: *const PmFilm, info: *mut PmFilmInfo
         // SAFETY: the caller's handle.
         let film = &unsafe { pointer::shared(film, "film") }?.film;
         let tally = &film.tally;
-        let stored = |tally: &Tally| tally.stored.values().fold(0, |sum: u64, &of| sum.saturating_add(of));
         let found = PmFilmInfo {
             size: size_of::<PmFilmInfo>(),
             width: film.width,
@@ -104,7 +103,7 @@ pub unsafe extern "C" fn pm_film_info(film: *const PmFilm, info: *mut PmFilmInfo
             errors: film.errors.is_some().into(),
             counted: tally.passes,
             paths: tally.photons.emitted.saturating_add(tally.aimed.emitted),
-            photons: stored(&tally.photons).saturating_add(stored(&tally.aimed)),
+            photons: tally.stored().values().fold(0, |sum: u64, &of| sum.saturating_add(of)),
         };
         // SAFETY: the caller's struct.
         unsafe { pointer::write(info, &found) }

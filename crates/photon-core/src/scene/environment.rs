@@ -155,7 +155,12 @@ impl EnvironmentMap {
         let (sine, half) = (libm::sin(step), libm::sin(0.5 * step));
         let along = sine - 2.0 * half * half / step;
         let across = sine / step - libm::cos(step);
-        let width = self.width as usize;
+        let mean = |row: &[[f32; 4]]| {
+            let mut sum = [0.0; 3];
+            row.iter().for_each(|texel| (0..3).for_each(|c| sum[c] += f64::from(texel[c])));
+            sum.map(|total: f64| total / f64::from(self.width))
+        };
+        let means: Vec<[f64; 3]> = self.texels.chunks(self.width as usize).map(mean).collect();
         let mut sum = [0.0; 3];
         for y in 0..=self.height {
             // ∫ sin θ dθ/2 of this row of cells, which the rows of texels above and below share.
@@ -167,11 +172,7 @@ impl EnvironmentMap {
                 _ => 0.5 * (libm::sin(theta) * along + libm::cos(theta) * across),
             };
             for (row, weight) in [(y.max(1) - 1, solid - lower), (y.min(self.height - 1), lower)] {
-                let texels = &self.texels[row as usize * width..(row as usize + 1) * width];
-                for (c, sum) in sum.iter_mut().enumerate() {
-                    let total: f64 = texels.iter().map(|texel| f64::from(texel[c])).sum();
-                    *sum += total / f64::from(self.width) * weight;
-                }
+                sum.iter_mut().zip(means[row as usize]).for_each(|(sum, mean)| *sum += mean * weight);
             }
         }
         sum

@@ -1,10 +1,10 @@
 //! Loading of scenes from files.
 
 pub(crate) mod budget;
-mod facets;
 mod gltf;
 mod image;
 mod light_units;
+mod missing_normals;
 mod mtl;
 mod obj;
 mod overrides;
@@ -71,7 +71,7 @@ pub fn load_builder_with(
     if let Some(overrides) = overrides {
         overrides.apply_within(&mut builder, &mut report, &budget)?;
     }
-    facets::note(&builder, &mut report);
+    missing_normals::note(&builder, &mut report);
     if !builder.has_camera() {
         let camera = builder.frame_camera();
         report.note(

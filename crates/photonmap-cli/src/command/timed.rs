@@ -76,8 +76,12 @@ const MANY_PASSES: f64 = 200.0;
 fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
     let best = choice.candidates.iter().find(|candidate| candidate.area == choice.area)?;
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
+    if choice.bandwidth == Bandwidth::PerPixel { increased(photons, pixels, parts, seconds) } else { None }
+}
+
+fn increased(photons: u32, pixels: u32, parts: [f64; 2], seconds: f64) -> Option<u32> {
     let paths = affordable(photons, parts, seconds).min(2.0 * f64::from(pixels)) as u32;
-    (choice.bandwidth == Bandwidth::PerPixel && f64::from(paths) >= 1.5 * f64::from(photons)).then_some(paths)
+    (f64::from(paths) >= 1.5 * f64::from(photons)).then_some(paths)
 }
 
 /// The paths with which [`MANY_PASSES`] fit if those of now take the first of these seconds of a pass, and in proportion; what
@@ -115,5 +119,14 @@ mod tests {
         assert_eq!(affordable(100_000, [0.005, 0.02], 2.0), 0.0);
         assert_eq!(affordable(100_000, [0.005, 0.005], 0.0), 0.0);
         assert!(affordable(100_000, [0.0, 0.0], 1.0).is_finite());
+    }
+
+    #[test]
+    fn paths_are_at_most_two_per_pixel_and_increase_clearly_or_not_at_all() {
+        let parts = [0.005, 0.005];
+        assert_eq!(increased(100_000, 250_000, parts, 10.0), Some(500_000));
+        assert!(increased(100_000, 10_000_000, parts, 10.0).is_some_and(|paths| paths.abs_diff(900_000) <= 1));
+        assert_eq!(increased(100_000, 70_000, parts, 10.0), None);
+        assert_eq!(increased(100_000, 10_000_000, parts, 2.0), None);
     }
 }

@@ -37,7 +37,7 @@ impl Curve {
 }
 
 /// The largest squared relative bias of a pixel that counts.
-const MOST: f64 = 1.0;
+const MAX_BIAS_SQUARED: f64 = 1.0;
 
 /// Squared relative errors of one kind of areas.
 pub(super) struct Model {
@@ -70,7 +70,9 @@ impl Model {
         // whose area there is a small part of the disc, may be many times too bright: one of thousands that a pixel averages over.
         let [one, two] = &least.passes;
         let product = |trial: &Trial, i: usize| (trial.passes[0][i] - one[i]) * (trial.passes[1][i] - two[i]);
-        let difference = |trial: &Trial| mean(&|i| product(trial, i).clamp(-MOST / weights[i], MOST / weights[i]));
+        let difference = |trial: &Trial| {
+            mean(&|i| product(trial, i).clamp(-MAX_BIAS_SQUARED / weights[i], MAX_BIAS_SQUARED / weights[i]))
+        };
         let positive = |of: &dyn Fn(&Trial) -> f64| {
             trials.iter().map(|trial| [trial.factor, of(trial).max(f64::MIN_POSITIVE)]).collect::<Vec<_>>()
         };
@@ -205,7 +207,7 @@ mod tests {
         let model = Model::new(&all, &trials[0], &none, &vec![1.0; PIXELS], 0.75, 1.0);
         // Half of the bias is assumed to be common to both trials. Without the limit it would be 29² times as much.
         let [_, error] = model.forecast(1.4, 1e9);
-        assert!((error * PIXELS as f64 / (4.0 * MOST) - 1.0).abs() < 1e-6, "{error}");
+        assert!((error * PIXELS as f64 / (4.0 * MAX_BIAS_SQUARED) - 1.0).abs() < 1e-6, "{error}");
     }
 
     /// More passes make the larger radius worse than the smaller one: its bias remains.

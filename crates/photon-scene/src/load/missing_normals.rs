@@ -1,6 +1,6 @@
 //! Notes on curved mirrors and glass that are made of flat triangles.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use glam::DVec3;
 use photon_core::ggx;
@@ -12,27 +12,30 @@ use crate::report::LoadReport;
 use crate::shading::is_smooth_metal;
 
 /// With triangles in at most so many directions, a mesh is taken to have flat sides on purpose: a cut diamond has 58.
-const MOST_SIDES: usize = 128;
+const MAX_DIRECTIONS: usize = 128;
 
-/// Notes every mesh of a smooth mirror or smooth glass without vertex normals whose triangles lie in many directions.
+/// Notes smooth mirrors and smooth glass with meshes without vertex normals whose triangles lie in many directions: a line for
+/// each material.
 ///
 /// Each triangle reflects and refracts as a plane. Light on the surfaces around shows dark and bright lines between the images of
 /// neighbouring triangles, and where these are finer than the radius of an estimate, error estimates do not allow for
 /// them.
 pub(super) fn note(builder: &SceneBuilder, report: &mut LoadReport) {
+    let mut triangles = BTreeMap::<u32, usize>::new();
     for mesh in &builder.meshes {
         let material = &builder.materials[mesh.material.0 as usize];
         if mesh.attributes.normals.is_empty() && is_specular(material) && has_many_sides(mesh) {
-            report.note(
-                format!("mesh '{}'", mesh.name),
-                format!(
-                    "its {} triangles of '{}' have no vertex normals; each of them shows in caustics; export normals, shaded \
-                     smooth, if the surface is curved",
-                    mesh.triangles.len(),
-                    material.name
-                ),
-            );
+            *triangles.entry(mesh.material.0).or_default() += mesh.triangles.len();
         }
+    }
+    for (material, count) in triangles {
+        report.note(
+            format!("material '{}'", builder.materials[material as usize].name),
+            format!(
+                "{count} of its triangles have no vertex normals; each of them shows in caustics; export normals, shaded \
+                 smooth, if the surface is curved"
+            ),
+        );
     }
 }
 
@@ -53,7 +56,7 @@ fn has_many_sides(mesh: &Mesh) -> bool {
         let normal = (b - a).cross(c - a).normalize_or_zero();
         // Steps of a hundredth; those of a plane are one or two.
         directions.insert((normal * 100.0).round().as_i16vec3());
-        if directions.len() > MOST_SIDES {
+        if directions.len() > MAX_DIRECTIONS {
             return true;
         }
     }
@@ -79,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn facets_of_curved_mirrors_and_glass_are_noted() {
+    fn flat_triangles_of_curved_mirrors_and_glass_are_noted() {
         let mirror = || MaterialDesc::mirror("mirror", [1.0; 3]);
         assert!(noted(mirror(), 3, false));
         assert!(noted(MaterialDesc::glass("glass", 1.5), 3, false));

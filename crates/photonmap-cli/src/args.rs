@@ -85,7 +85,9 @@ pub struct RenderArgs {
     pub explain: bool,
 }
 
-/// Show what a scene requires with these settings, what is left out and why; nothing is rendered.
+/// Show what a scene requires with these settings, what is left out and why; with `--time`, also which settings are chosen for it.
+///
+/// No picture is made. Settings for a time are chosen by trials in the scene, on the machine's backend.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "explain")]
 pub struct ExplainArgs {
@@ -95,6 +97,9 @@ pub struct ExplainArgs {
     /// Render settings.
     #[command(flatten)]
     pub settings: SettingsArgs,
+    /// Where trials for `--time` are run.
+    #[command(flatten)]
+    pub machine: MachineArgs,
 }
 
 impl SettingsArgs {

@@ -4,6 +4,8 @@ use photon_core::{Film, FluxSum, Forecast, LightShare, Outcome, PerMap, Render, 
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
+use crate::command::chosen::Chosen;
+
 /// Contents of the report besides those of the renderer.
 #[derive(Debug)]
 pub struct Details<'a> {
@@ -37,6 +39,8 @@ pub struct Details<'a> {
     pub seconds_device: f64,
     /// Seconds of trials by which settings are chosen.
     pub seconds_trials: f64,
+    /// What was chosen for the time, if it is given.
+    pub chosen: Option<&'a Chosen>,
     /// Seconds from the first pass to the film on the host.
     pub seconds_passes: f64,
     /// Seconds from start to finished film.
@@ -121,6 +125,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         "seconds": seconds_of(&facts.setup, details),
         "photons_per_second": if tracing > 0.0 { tally.emitted as f64 / tracing } else { 0.0 },
         "grain": details.grain,
+        "chosen": details.chosen.map(|chosen| chosen.json(outcome.passes)),
         "settings": details.settings,
         "report": details.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": details.warnings,

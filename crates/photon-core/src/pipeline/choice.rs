@@ -1,4 +1,4 @@
-//! The choice of areas and radii for a given time, by trials of each.
+//! The choice of areas, radii and photons for a given time, by trials.
 
 mod forecast;
 mod trials;
@@ -11,12 +11,14 @@ use crate::error::Result;
 use crate::radius::radii;
 use crate::scene::SceneView;
 use crate::settings::{Area, Bandwidth, Estimator, Indirect};
-use forecast::{Model, Trial, weights};
+use forecast::{Model, Trial, reference, weights};
 
 /// What a setting of the estimates is expected to give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Candidate {
+    /// [`crate::Settings::photons`].
+    pub photons: u32,
     /// [`crate::Settings::area`].
     pub area: Area,
     /// [`crate::Settings::radius_factor`].
@@ -32,6 +34,8 @@ pub struct Candidate {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Choice {
+    /// [`crate::Settings::photons`].
+    pub photons: u32,
     /// [`crate::Settings::area`].
     pub area: Area,
     /// [`crate::Settings::radius_factor`].
@@ -48,6 +52,8 @@ pub struct Choice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 // Exhaustive: a caller decides about each.
 pub struct Open {
+    /// [`crate::Settings::photons`], if radii are derived without a limit on memory.
+    pub photons: bool,
     /// [`crate::Settings::area`], if the settings have [`Area::Surface`].
     pub area: bool,
     /// [`crate::Settings::radius_factor`], if it is 1 and radii are derived.
@@ -69,16 +75,36 @@ const TIMED_PART: f64 = 0.02;
 const TRIED: [f64; 3] = [0.7, 1.4, 2.0];
 const POSSIBLE: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 
-/// Discs are chosen if their error is less than this part of that with areas of surfaces: times are not exact, and what discs
-/// lack at edges is more visible than noise.
-const CLEARLY_LESS: f64 = 0.85;
+/// Multiples of the number of paths that may be chosen, and the least number: fewer take hardly less time.
+const MULTIPLES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+const MIN_PHOTONS: f64 = 16_384.0;
 
-/// With as many passes, a radius for each pixel is worth the error estimates that it takes.
-const PASSES_PER_PIXEL: f64 = 200.0;
+/// Discs are chosen, or another number of paths, if the error is less than this part of that with areas of surfaces, or with the
+/// present number: times are not exact, and what discs lack at edges is more visible than noise.
+const CLEARLY_LESS: f64 = 0.9;
+
+/// The best of some candidates, which are by increasing error; discs only if they are clearly better.
+fn best_of(candidates: &[Candidate], is_meant: impl Fn(&Candidate) -> bool) -> Option<Candidate> {
+    let least = |area: Area| candidates.iter().find(|candidate| candidate.area == area && is_meant(candidate)).copied();
+    match (least(Area::Surface), least(Area::Disc)) {
+        (Some(surface), Some(disc)) if disc.error > CLEARLY_LESS * surface.error => Some(surface),
+        (surface, disc) => disc.or(surface),
+    }
+}
+
+/// With as many passes, a radius for each pixel is worth the error estimates that it takes. These are estimates with a second
+/// radius, which areas of surfaces make more expensive.
+const fn passes_per_pixel(area: Area) -> f64 {
+    match area {
+        Area::Disc => 200.0,
+        Area::Surface => 500.0,
+    }
+}
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Compares the settings that are `open` for `seconds` of passes, and takes the best: afterwards the pipeline renders as if
-    /// it had been made with them. `None`, and nothing changes, if there is nothing to choose: without photon maps whose
+    /// it had been made with them. Only the number of paths is that of before: if [`Choice::photons`] is another, a new pipeline
+    /// has to be made. `None`, and nothing changes, if there is nothing to choose: without photon maps whose
     /// estimates are shown, with final gathering, whose rays would have to be tried too, or after the first pass.
     ///
     /// Two passes with all photons are rendered for a small part of the pixels, with other random numbers than those of the
@@ -93,11 +119,12 @@ impl<B: TransportBackend> Pipeline<B> {
         let derived = matches!(self.settings.estimator, Estimator::Radius { radius: None })
             && self.settings.irradiance_every.is_none();
         let open = Open {
+            photons: open.photons && derived && self.cap.is_none() && self.bandwidth.is_none(),
             area: open.area && self.stages.area.is_some(),
             radius_factor: open.radius_factor && derived && self.settings.radius_factor == 1.0,
             bandwidth: open.bandwidth && derived && self.bandwidth.is_none() && self.cap.is_none(),
         };
-        let nothing = !(open.area || open.radius_factor || open.bandwidth);
+        let nothing = !(open.photons || open.area || open.radius_factor || open.bandwidth);
         if nothing || !shown || self.settings.indirect == Indirect::Gather || self.passes > 0 {
             return Ok(None);
         }
@@ -107,17 +134,18 @@ impl<B: TransportBackend> Pipeline<B> {
         (self.view, self.settings.seed) = (whole, seed);
         self.recover()?;
         let (candidates, photon_seconds) = result?;
-        let least = |area: Area| candidates.iter().find(|candidate| candidate.area == area);
-        let best = match (least(Area::Surface), least(Area::Disc)) {
-            (Some(surface), Some(disc)) if disc.error > CLEARLY_LESS * surface.error => surface,
-            (_, Some(disc)) => disc,
-            (Some(surface), None) => surface,
-            (None, None) => return Ok(None),
+        let now = self.settings.photons;
+        let Some(best) = best_of(&candidates, |candidate| candidate.photons == now) else { return Ok(None) };
+        let many = open.bandwidth && seconds > passes_per_pixel(best.area) * best.seconds;
+        let (bandwidth, best) = if many {
+            (Bandwidth::PerPixel, Candidate { radius_factor: 1.0, ..best })
+        } else {
+            let other = best_of(&candidates, |candidate| candidate.photons != now);
+            let other = other.filter(|other| other.error < CLEARLY_LESS * best.error);
+            (self.settings.bandwidth, other.unwrap_or(best))
         };
-        let many = open.bandwidth && seconds > PASSES_PER_PIXEL * best.seconds;
-        let (bandwidth, radius_factor) =
-            if many { (Bandwidth::PerPixel, 1.0) } else { (self.settings.bandwidth, best.radius_factor) };
-        let choice = Choice { area: best.area, radius_factor, bandwidth, candidates, photon_seconds };
+        let Candidate { photons, area, radius_factor, .. } = best;
+        let choice = Choice { photons, area, radius_factor, bandwidth, candidates, photon_seconds };
         self.take_choice(scene, &choice)?;
         Ok(Some(choice))
     }
@@ -194,14 +222,21 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         let Some(least) = trials.first() else { return Ok((Vec::new(), photons)) };
         let weights = weights(least, &others);
+        let reference = reference(&trials);
         let mut candidates = Vec::new();
+        let now = f64::from(self.settings.photons);
+        let multiples = MULTIPLES.iter().filter(|&&more| more == 1.0 || open.photons && more * now >= MIN_PHOTONS);
+        let multiples: Vec<f64> = multiples.copied().collect();
         for &area in areas {
             let of_area: Vec<&Trial> = trials.iter().filter(|trial| trial.area == area).collect();
-            let model = Model::new(&of_area, least, &direct, &weights, photons, self.settings.alpha);
-            candidates.extend(possible.iter().map(|&radius_factor| {
-                let [seconds, error] = model.forecast(radius_factor, seconds);
-                Candidate { area, radius_factor, seconds, error }
-            }));
+            let model = Model::new(&of_area, &reference, &direct, &weights, photons, self.settings.alpha);
+            for &more in &multiples {
+                let photons = (more * now).min(f64::from(u32::MAX)) as u32;
+                candidates.extend(possible.iter().map(|&radius_factor| {
+                    let [seconds, error] = model.forecast(more, radius_factor, seconds);
+                    Candidate { photons, area, radius_factor, seconds, error }
+                }));
+            }
         }
         candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
         Ok((candidates, photons))

@@ -411,14 +411,15 @@ impl<B: TransportBackend> Render for Pipeline<B> {
     }
 
     fn rescale(&mut self, factor: f64) -> bool {
-        let derived = radii::need_pilot(&self.settings);
-        if derived {
+        // Radii of each pixel follow noise and bias anyway; with them the picture depends on the number of passes alone.
+        let shared = radii::need_pilot(&self.settings) && self.bandwidth.is_none();
+        if shared {
             for slot in &mut self.maps {
                 slot.radius = radii::scaled(slot.radius, factor.sqrt() as f32);
             }
             self.schedule = self.schedule.scaled(factor);
         }
-        derived
+        shared
     }
 
     fn facts(&self) -> Facts {

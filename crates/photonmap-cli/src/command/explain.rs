@@ -1,20 +1,35 @@
 //! `photonmap explain`
 
 use std::fmt::Write as _;
+use std::time::Instant;
+
+use photon_core::{Settings, TransportBackend, View};
+use photon_scene::Scene;
 
 use crate::args::ExplainArgs;
+use crate::backend::Chosen as Backend;
+use crate::command::chosen::Chosen;
+use crate::command::render;
 use crate::fault::Fault;
-use crate::{load, stdout};
+use crate::{load, memory, stdout};
 
-/// Prints what the scene requires with these settings, what is left out, and how photons are distributed over lights.
+/// Prints what the scene requires with these settings, what is left out, how photons are distributed over lights, and what is
+/// chosen for a time if it is given.
 ///
 /// # Errors
-/// As [`load::scene`], and invalid settings.
+/// As [`load::scene`], and invalid settings; with a time also those of rendering.
 pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
-    let settings = args.settings.settings()?;
+    let mut settings = args.settings.settings()?;
+    let begun = Instant::now();
     let (scene, _) = load::scene(&args.scene)?;
     // A camera that does not exist is an error here too.
-    args.settings.picture.view(&scene)?;
+    let view = args.settings.picture.view(&scene)?;
+    let mut choice = String::new();
+    if args.settings.is_timed() {
+        let chosen = trials((args, begun), &scene, view, settings)?;
+        choice = chosen.table();
+        settings = chosen.settings;
+    }
     let mut text = format!("{}: {} triangles\n", args.scene.scene, scene.view().triangles.len());
     if let Some(environment) = scene.environment_text() {
         let _ = writeln!(text, "environment: {environment}");
@@ -41,5 +56,39 @@ pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
         let (paths, power) = (share.paths(settings.photons), 100.0 * share.power);
         let _ = writeln!(text, "  {:<24} {paths:.0} paths for {power:.3} % of the power{few}", share.what);
     }
+    text.push_str(&choice);
     stdout::write(text.as_bytes())
+}
+
+/// What is chosen for the time, by trials on the backend of the options.
+fn trials(
+    (args, begun): (&ExplainArgs, Instant),
+    scene: &Scene,
+    view: View,
+    settings: Settings,
+) -> Result<Chosen, Fault> {
+    if args.machine.several() {
+        return Err(Fault::input("--device: settings for a time are chosen on a single device; give one"));
+    }
+    let size = args.settings.picture.size;
+    let (opened, _) = render::open(&args.machine)?;
+    let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, size));
+    let chosen = match opened.report() {
+        Backend::Cpu(on) => {
+            // It shares the texels, which are resident, with the scene.
+            let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
+            choose(on, (args, begun), (scene, view), Settings { memory, ..settings })
+        }
+        Backend::Vulkan(on) => choose(*on, (args, begun), (scene, view), Settings { memory, ..settings }),
+    };
+    chosen.map_err(|fault| fault.within(args.machine.memory, memory::besides(size)))
+}
+
+fn choose<B: TransportBackend>(
+    on: B,
+    (args, begun): (&ExplainArgs, Instant),
+    (scene, view): (&Scene, View),
+    settings: Settings,
+) -> Result<Chosen, Fault> {
+    Chosen::pipeline(on, (&args.settings, begun), (scene, view), settings).map(|(_, chosen)| chosen)
 }

@@ -1,5 +1,6 @@
 //! The commands of `photonmap`.
 
+pub mod chosen;
 pub mod compare;
 pub mod devices;
 pub mod explain;
@@ -80,7 +81,8 @@ fn run(command: &Command) -> Result<(), Fault> {
         Command::Render(args) if args.list => scenes::run(),
         Command::Render(args) if args.devices => devices::run(),
         Command::Render(args) if args.explain => {
-            explain::run(&ExplainArgs { scene: args.scene.clone(), settings: args.settings.clone() })
+            let (scene, settings, machine) = (args.scene.clone(), args.settings.clone(), args.machine.clone());
+            explain::run(&ExplainArgs { scene, settings, machine })
         }
         Command::Render(args) => render::run(args),
         Command::Map(args) => map::run(args),

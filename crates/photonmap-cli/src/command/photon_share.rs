@@ -7,7 +7,7 @@ use photon_core::{
 };
 use photon_scene::Scene;
 
-use crate::args::RenderArgs;
+use crate::args::SettingsArgs;
 use crate::fault::Fault;
 
 /// Below this share of the light, fewer photons are better.
@@ -35,20 +35,20 @@ const PASSES: u32 = 2;
 /// Those of rendering.
 pub(super) fn choose<B: TransportBackend>(
     on: B,
-    args: &RenderArgs,
+    args: &SettingsArgs,
     scene: &Scene,
     settings: Settings,
 ) -> Result<(B, Settings), Fault> {
     let is_open = Features::of(&scene.view()).contains(Features::ENVIRONMENT);
-    let is_given = args.settings.photon.photons.is_some() || args.settings.estimate.area.is_some();
+    let is_given = args.photon.photons.is_some() || args.estimate.area.is_some();
     // Radii have to be derived, so that those of fewer photons are larger.
     let is_derived =
         matches!(settings.estimator, Estimator::Radius { radius: None }) && settings.irradiance_every.is_none();
-    let is_left_to_us = is_derived && !is_given && args.settings.is_timed();
+    let is_left_to_us = is_derived && !is_given && args.is_timed();
     if !is_open || !is_left_to_us || settings.photons / FEWER < LEAST {
         return Ok((on, settings));
     }
-    let mut picture = args.settings.picture.clone();
+    let mut picture = args.picture.clone();
     let (width, height) = picture.size;
     picture.size = (WIDTH, (WIDTH * height.min(4 * width) / width.max(1)).max(1));
     let small = Settings {

@@ -9,10 +9,11 @@ use std::time::Instant;
 use photon_core::{LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
 use photon_scene::{CompressedTree, LoadReport, Scene};
 
-use crate::args::RenderArgs;
+use crate::args::{MachineArgs, RenderArgs};
 use crate::backend::{self, Chosen, Opened};
+use crate::command::chosen::Chosen as ChosenForTime;
 use crate::command::picture::{self, Look, Shown};
-use crate::command::{photon_share, render_blocks, render_film, render_passes, timed};
+use crate::command::{render_blocks, render_film, render_passes};
 use crate::denoise::Denoiser;
 use crate::fault::Fault;
 use crate::report::{self, Details};
@@ -90,7 +91,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         seconds_load,
         seconds_start: (ready - begun).as_secs_f64() - seconds_load,
         seconds_device: started.device,
-        seconds_trials: started.trials,
+        seconds_trials: started.chosen.as_ref().map_or(0.0, |chosen| chosen.trials),
+        chosen: started.chosen.as_ref(),
         seconds_passes,
         seconds_total,
     };
@@ -147,7 +149,7 @@ fn load_and_open(args: &RenderArgs) -> Result<((Scene, LoadReport), f64, Option<
         return Ok((loaded, seconds, None));
     }
     std::thread::scope(|threads| {
-        let opening = threads.spawn(|| open(args));
+        let opening = threads.spawn(|| open(&args.machine));
         let loaded = load(None);
         // It takes that long for GPUs only: the cores are free meanwhile. What is wrong with the scene is found later.
         let tree = match &loaded {
@@ -170,20 +172,21 @@ fn load_and_open(args: &RenderArgs) -> Result<((Scene, LoadReport), f64, Option<
 }
 
 /// The backend, and the seconds that opening it took.
-fn open(args: &RenderArgs) -> Result<(Opened, f64), Fault> {
+pub(super) fn open(machine: &MachineArgs) -> Result<(Opened, f64), Fault> {
     let begun = Instant::now();
-    let opened = match args.machine.device.as_slice() {
+    let opened = match machine.device.as_slice() {
         [device] => backend::open_device_quietly(device),
-        _ => backend::open_quietly(args.machine.backend, args.machine.threads),
+        _ => backend::open_quietly(machine.backend, machine.threads),
     };
     Ok((opened?, begun.elapsed().as_secs_f64()))
 }
 
-/// Seconds of parts of the start that renderers do not know of.
-#[derive(Clone, Copy, Default)]
+/// What renderers do not know of the start: the seconds of opening the device, and what was chosen.
+#[derive(Default)]
 struct Started {
     device: f64,
-    trials: f64,
+    /// With `--time`.
+    chosen: Option<ChosenForTime>,
 }
 
 /// The output files, checked before anything is rendered.
@@ -279,7 +282,7 @@ fn start(
             Ok((renderers, Started::default()))
         });
     }
-    let (opened, device) = opened.map_or_else(|| open(args), Ok)?;
+    let (opened, device) = opened.map_or_else(|| open(&args.machine), Ok)?;
     let chosen = opened.report();
     let besides = memory::besides(args.settings.picture.size);
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
@@ -292,11 +295,11 @@ fn start(
         }
         Chosen::Vulkan(on) => chosen_pipeline(*on, (args, begun), scene, view, memory, settings),
     };
-    let (renderer, trials) = started.map_err(|fault| fault.within(args.machine.memory, besides))?;
-    Ok((vec![renderer], Started { device, trials }))
+    let (renderer, chosen) = started.map_err(|fault| fault.within(args.machine.memory, besides))?;
+    Ok((vec![renderer], Started { device, chosen }))
 }
 
-/// A renderer, and the seconds of trials by which its settings were chosen.
+/// A renderer, and what was chosen for the time if it is given.
 fn chosen_pipeline<B: TransportBackend>(
     on: B,
     (args, begun): (&RenderArgs, Instant),
@@ -304,18 +307,14 @@ fn chosen_pipeline<B: TransportBackend>(
     view: View,
     memory: Option<u64>,
     settings: &mut Settings,
-) -> Result<(Box<dyn Render>, f64), Fault> {
+) -> Result<(Box<dyn Render>, Option<ChosenForTime>), Fault> {
     let within = Settings { memory, ..settings.clone() };
-    let trying = Instant::now();
-    let (on, chosen) = photon_share::choose(on, args, scene, within)?;
-    let trials = trying.elapsed();
-    let chosen = timed::fewer_paths(args, scene, chosen);
-    let renderer = Pipeline::new(on, &scene.view(), view, chosen.clone())?;
-    let trying = Instant::now();
-    let (renderer, chosen) = timed::choose(renderer, (args, begun), (scene, view), chosen)?;
-    let trials = trials + trying.elapsed();
-    *settings = Settings { memory: settings.memory, ..chosen };
-    Ok((Box::new(renderer), trials.as_secs_f64()))
+    let (renderer, chosen) = ChosenForTime::pipeline(on, (&args.settings, begun), (scene, view), within)?;
+    if let Some(line) = chosen.line() {
+        eprintln!("{line}");
+    }
+    *settings = Settings { memory: settings.memory, ..chosen.settings.clone() };
+    Ok((Box::new(renderer), args.settings.is_timed().then_some(chosen)))
 }
 
 fn pipeline<B: TransportBackend>(
@@ -351,6 +350,7 @@ fn save(
         ("photon:backend", facts.backend.to_owned()),
         ("photon:device", details.device.to_owned()),
         ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
+        ("photon:chosen", details.chosen.map_or(String::new(), |chosen| chosen.with_passes(passes))),
         ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
     ];
     attributes.extend(details.environment.map(|text| ("photon:environment", text.to_owned())));

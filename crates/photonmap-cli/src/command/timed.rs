@@ -1,24 +1,23 @@
 //! Settings for `--time`: those that are not given are chosen by trials in this scene.
-#![expect(clippy::print_stderr, reason = "the choice goes to standard error")]
 
 use std::time::Instant;
 
 use photon_core::{
-    Area, Bandwidth, Choice, Estimator, Features, Indirect, Open, Pipeline, Settings, TransportBackend, View,
+    Bandwidth, Candidate, Choice, Estimator, Features, Indirect, Open, Pipeline, Settings, TransportBackend, View,
 };
 use photon_scene::Scene;
 
-use crate::args::RenderArgs;
+use crate::args::SettingsArgs;
 use crate::fault::Fault;
 
 /// Half of the paths, and so radii that are √2 times as large: for a given time, more passes are better than more photons.
 /// Under an environment, where photons bring less of the light, [`super::photon_share`] decides.
-pub(super) fn fewer_paths(args: &RenderArgs, scene: &Scene, settings: Settings) -> Settings {
+pub(super) fn fewer_paths(args: &SettingsArgs, scene: &Scene, settings: Settings) -> Settings {
     let is_open = Features::of(&scene.view()).contains(Features::ENVIRONMENT);
     let is_derived =
         matches!(settings.estimator, Estimator::Radius { radius: None }) && settings.irradiance_every.is_none();
     let from_maps = settings.indirect == Indirect::Map;
-    if args.settings.photon.photons.is_some() || is_open || !is_derived || !from_maps || !is_chosen(args) {
+    if args.photon.photons.is_some() || is_open || !is_derived || !from_maps || !is_chosen(args) {
         return settings;
     }
     Settings { photons: (settings.photons / 2).max(LEAST.min(settings.photons)), ..settings }
@@ -27,44 +26,45 @@ pub(super) fn fewer_paths(args: &RenderArgs, scene: &Scene, settings: Settings) 
 /// Fewer paths than this take hardly less time.
 const LEAST: u32 = 16_384;
 
-/// Whether settings are chosen by trials: with `--time` and nothing else that determines its use. A film that is continued
-/// keeps its settings, and error estimates are wanted with the settings that are best for them.
-fn is_chosen(args: &RenderArgs) -> bool {
-    args.settings.is_timed() && !args.settings.budget.errors && args.film.film.is_none()
+/// Whether settings are chosen by trials: with `--time` and nothing else that determines its use. Error
+/// estimates are wanted with the settings that are best for them.
+fn is_chosen(args: &SettingsArgs) -> bool {
+    args.is_timed() && !args.budget.errors
 }
 
-/// Chooses areas, radii, whether each pixel has a radius of its own, and then the number of paths, for the time that remains since
+/// Chooses areas, radii, the number of paths, and whether each pixel has a radius of its own, for the time that remains since
 /// `begun`. The renderer has them afterwards; it is returned with its settings.
 ///
 /// # Errors
 /// Those of rendering.
 pub(super) fn choose<B: TransportBackend>(
     mut renderer: Pipeline<B>,
-    (args, begun): (&RenderArgs, Instant),
+    (args, begun): (&SettingsArgs, Instant),
     (scene, view): (&Scene, View),
     settings: Settings,
-) -> Result<(Pipeline<B>, Settings), Fault> {
-    let Some(time) = args.settings.budget.time.filter(|_| is_chosen(args)) else { return Ok((renderer, settings)) };
-    let given = &args.settings.estimate;
+) -> Result<(Pipeline<B>, Settings, Option<Choice>), Fault> {
+    let Some(time) = args.budget.time.filter(|_| is_chosen(args)) else { return Ok((renderer, settings, None)) };
+    let given = &args.estimate;
     let open = Open {
+        photons: args.photon.photons.is_none(),
         area: given.area.is_none(),
         radius_factor: given.radius_factor.is_none(),
         bandwidth: given.bandwidth.is_none(),
     };
     let seconds = (time - begun.elapsed().as_secs_f64()).max(0.0);
-    let Some(choice) = renderer.choose(&scene.view(), seconds, open)? else { return Ok((renderer, settings)) };
+    let Some(choice) = renderer.choose(&scene.view(), seconds, open)? else { return Ok((renderer, settings, None)) };
     let errors = settings.errors || choice.bandwidth == Bandwidth::PerPixel;
     let radius_factor = settings.radius_factor * choice.radius_factor;
     let mut settings = Settings { area: choice.area, radius_factor, bandwidth: choice.bandwidth, errors, ..settings };
-    if args.settings.photon.photons.is_none() {
+    if args.photon.photons.is_none() {
         let pixels = view.width.saturating_mul(view.height);
-        if let Some(photons) = more_paths(&choice, settings.photons, pixels, seconds) {
+        let photons = more_paths(&choice, settings.photons, pixels, seconds).unwrap_or(choice.photons);
+        if photons != settings.photons {
             settings.photons = photons;
             renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, settings.clone())?;
         }
     }
-    eprintln!("{}", text(&choice, settings.photons));
-    Ok((renderer, settings))
+    Ok((renderer, settings, Some(choice)))
 }
 
 /// Paths are not increased to where fewer passes than this fit.
@@ -74,7 +74,8 @@ const MANY_PASSES: f64 = 200.0;
 /// as (total paths)^(−2/3), and other noise is small after many passes. On a GPU a pass takes hardly longer with several times
 /// as many. At most two per pixel; `None` if that is less than 1.5 times those of now.
 fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
-    let best = choice.candidates.iter().find(|candidate| candidate.area == choice.area)?;
+    let of_choice = |each: &&Candidate| each.area == choice.area && each.photons == choice.photons;
+    let best = choice.candidates.iter().find(of_choice)?;
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
     if choice.bandwidth == Bandwidth::PerPixel { increased(photons, pixels, parts, seconds) } else { None }
 }
@@ -88,22 +89,6 @@ fn increased(photons: u32, pixels: u32, parts: [f64; 2], seconds: f64) -> Option
 /// else a pass does takes the second.
 fn affordable(photons: u32, [for_photons, rest]: [f64; 2], seconds: f64) -> f64 {
     f64::from(photons) * (seconds / MANY_PASSES - rest.max(0.0)).max(0.0) / for_photons.max(1e-6)
-}
-
-/// The choice as options, and what it and the best with the other kind of areas are expected to give.
-fn text(choice: &Choice, photons: u32) -> String {
-    let forecast = |area: Area| {
-        let best = choice.candidates.iter().find(|candidate| candidate.area == area)?;
-        Some(format!("{:.1} % with --area {}", 100.0 * best.error.sqrt(), area.name()))
-    };
-    let errors: Vec<String> = Area::ALL.into_iter().filter_map(forecast).collect();
-    format!(
-        "chosen for the time: --photons {photons} --area {} --radius-factor {} --bandwidth {} (forecast of the error: {})",
-        choice.area.name(),
-        choice.radius_factor,
-        choice.bandwidth.name(),
-        errors.join(", ")
-    )
 }
 
 #[cfg(test)]

@@ -57,6 +57,15 @@ fn explain_tells_what_is_left_out() {
         assert!(left_out.contains("mirror") && left_out.contains("map of caustic photons"), "{text}");
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
     }
+    // With a time it also tells what is chosen for it, by trials.
+    let timed = ["cornell", "--time", "1", "--size", "40x30", "--backend", "cpu"];
+    let (timed, fixed) = (stdout(&run("explain", &timed)), stdout(&run("explain", &["cornell"])));
+    let table = timed.lines().skip_while(|line| !line.starts_with("chosen by trials")).collect::<Vec<_>>();
+    let (_, photons) = table[1].split_once("--photons ").unwrap();
+    let photons = photons.split_once(" --area ").unwrap().0;
+    assert!(table[1].contains("--passes") && timed.contains(&format!("of {photons} paths")), "{timed}");
+    assert!(table.iter().filter(|line| line.contains(" %  ")).count() >= 10, "{timed}");
+    assert!(!fixed.contains("trials"), "{fixed}");
     // Glossy surfaces have a hint how to do without them.
     let gloss = stdout(&run("explain", &["gloss"]));
     let line = gloss.lines().find(|line| line.trim_start().starts_with("glossy ")).unwrap();

@@ -288,42 +288,37 @@ fn time_is_spent_where_the_light_is() {
     assert_eq!(paths("cornell", &["--errors"]), (131_072, false));
 }
 
-/// The options that are printed make the same picture with the number of passes.
+/// What was chosen for a time is reported as options without it, which make the same picture bit by bit.
 #[test]
-fn chosen_options_make_the_same_picture() {
-    let folder = folder("chosen-options");
-    let [chosen, given] = ["chosen.exr", "given.exr"].map(|name| folder.join(name).to_str().unwrap().to_owned());
-    let report = folder.join("report.json");
-    let common = ["cornell-glass", "--size", "48x48", "--backend", "cpu"];
-    let output = photonmap("render")
-        .args(common)
-        .args(["--time", "1.5", "-o", &chosen, "--json", report.to_str().unwrap()])
-        .output()
-        .unwrap();
-    succeeded(&output);
-    let text = stderr(&output);
-    let options = text.split("chosen for the time: ").nth(1).unwrap().split(" (").next().unwrap();
-    let json: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
-    let passes = json["passes"].to_string();
-    let same = photonmap("render")
-        .args(common)
-        .args(options.split(' '))
-        .args(["--passes", &passes, "-o", &given])
-        .output()
-        .unwrap();
-    succeeded(&same);
-    let compared = photonmap("compare").args([&chosen, &given]).output().unwrap();
-    succeeded(&compared);
-    let compared = String::from_utf8(compared.stdout).unwrap();
-    let error = compared.lines().find_map(|line| line.strip_prefix("relMSE")).unwrap().trim();
-    assert_eq!(error.parse::<f64>().unwrap(), 0.0, "{options}");
+fn what_was_chosen_for_a_time_can_be_given() {
+    let folder = folder("chosen");
+    let picture = |scene: &str, name: &str, options: &[&str]| {
+        let (exr, json) = (folder.join(format!("{name}.exr")), folder.join(format!("{name}.json")));
+        let files = ["-o", exr.to_str().unwrap(), "--json", json.to_str().unwrap()];
+        let always = [scene, "--size", "40x30", "--backend", "cpu", "--seed", "7"];
+        let output = render(&[&always[..], &files, options].concat());
+        succeeded(&output);
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        (channels(&exr), report, stderr(&output))
+    };
+    for (scene, time) in [("cornell-glass", "0.8"), ("cornell", "2")] {
+        let (timed, report, said) = picture(scene, "timed", &["--time", time]);
+        let options = report["chosen"]["options"].as_str().unwrap();
+        assert!(said.contains(options.split_once(" --passes").unwrap().0), "{said}");
+        let candidates = report["chosen"]["candidates"].as_array().unwrap();
+        assert!(candidates.len() >= 10, "{options}: {candidates:?}");
+        let errors: Vec<f64> = candidates.iter().map(|each| each["error"].as_f64().unwrap()).collect();
+        assert!(errors.is_sorted() && errors[0] > 0.0, "{errors:?}");
+        let (fixed, report, _) = picture(scene, "fixed", &options.split(' ').collect::<Vec<_>>());
+        assert!(timed == fixed, "{options}");
+        assert!(report["chosen"].is_null());
+    }
     // Settings that are given are not chosen.
-    let output = photonmap("render")
-        .args(common)
-        .args(["--time", "0.2", "--area", "disc", "--radius-factor", "0.8", "--bandwidth", "shared"])
-        .args(["-o", &given])
-        .output()
-        .unwrap();
+    let given = ["--photons", "2000", "--area", "disc", "--radius-factor", "0.8", "--bandwidth", "shared"];
+    let picture = folder.join("given.png");
+    let output = render(
+        &[&["cornell", "--size", "40x30", "--time", "0.2", "-o", picture.to_str().unwrap()], &given[..]].concat(),
+    );
     succeeded(&output);
     assert!(!stderr(&output).contains("chosen for the time"), "{}", stderr(&output));
 }

@@ -21,6 +21,8 @@ struct Curve {
     points: Vec<[f64; 2]>,
     /// Least and greatest exponent.
     exponents: [f64; 2],
+    /// The exponent below the least factor, if that is known; else that of the first two points.
+    below: Option<f64>,
 }
 
 impl Curve {
@@ -30,11 +32,17 @@ impl Curve {
         let end = self.points.iter().position(|[at, _]| *at >= factor).unwrap_or(last).max(1).min(last);
         let [[x0, y0], [x1, y1]] = [self.points[end.saturating_sub(1)], self.points[end]];
         let exponent = if x1 > x0 { libm::log(y1 / y0) / libm::log(x1 / x0) } else { 0.0 };
-        let exponent = exponent.clamp(self.exponents[0], self.exponents[1]);
+        let exponent = match self.below {
+            Some(below) if factor < x0 => below,
+            _ => exponent.clamp(self.exponents[0], self.exponents[1]),
+        };
         let (x, y) = if (factor - x0).abs() < (factor - x1).abs() { (x0, y0) } else { (x1, y1) };
         y * libm::pow(factor / x, exponent)
     }
 }
+
+/// Steps after which the number of passes in a time hardly changes.
+const STEPS: usize = 4;
 
 /// The largest squared relative bias of a pixel that counts.
 const MAX_BIAS_SQUARED: f64 = 1.0;
@@ -51,11 +59,11 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// From the trials of one kind of areas, by increasing factor; `least` is the trial with the least bias, of any kind,
-    /// and `photons` the seconds of a pass that do not depend on the picture.
+    /// From the trials of one kind of areas, by increasing factor; `reference` is the radiance that they are compared with
+    /// ([`reference`]), and `photons` the seconds of a pass that do not depend on the picture.
     pub(super) fn new(
         trials: &[&Trial],
-        least: &Trial,
+        reference: &[Vec<f64>; 2],
         direct: &[Vec<f64>; 2],
         weights: &[f64],
         photons: f64,
@@ -68,7 +76,7 @@ impl Model {
         let variance = |[one, two]: &[Vec<f64>; 2]| mean(&|i| 0.5 * (one[i] - two[i]).powi(2));
         // The noise of two passes is independent: that of the product has the mean 0. A visible point at the rim of a surface,
         // whose area there is a small part of the disc, may be many times too bright: one of thousands that a pixel averages over.
-        let [one, two] = &least.passes;
+        let [one, two] = reference;
         let product = |trial: &Trial, i: usize| (trial.passes[0][i] - one[i]) * (trial.passes[1][i] - two[i]);
         let difference = |trial: &Trial| {
             mean(&|i| product(trial, i).clamp(-MAX_BIAS_SQUARED / weights[i], MAX_BIAS_SQUARED / weights[i]))
@@ -78,37 +86,64 @@ impl Model {
         };
         Self {
             others: variance(direct),
-            variance: Curve { points: positive(&|trial| variance(&trial.passes)), exponents: [-2.0, 0.0] },
+            // That of smooth light is as the reciprocal of the area. Few photons per disc make it uncertain, so that less might be
+            // measured between two radii.
+            variance: Curve {
+                points: positive(&|trial| variance(&trial.passes)),
+                exponents: [-2.0, 0.0],
+                below: Some(-2.0),
+            },
             bias_squared: Curve {
                 points: trials
                     .iter()
                     .filter_map(|trial| {
-                        // Bias grows at least as the radius: at edges; the trial with the least bias has some too.
-                        let rest = if trial.area == least.area { 1.0 - least.factor / trial.factor } else { 1.0 };
-                        let squared = difference(trial) / (rest * rest);
-                        (rest > 0.0 && squared > 0.0).then_some([trial.factor, squared])
+                        let squared = difference(trial);
+                        (squared > 0.0).then_some([trial.factor, squared])
                     })
                     .collect(),
                 exponents: [1.0, 4.0],
+                below: None,
             },
-            seconds: Curve { points: positive(&|trial| trial.seconds), exponents: [0.0, 2.0] },
+            seconds: Curve { points: positive(&|trial| trial.seconds), exponents: [0.0, 2.0], below: None },
             photons,
             alpha,
         }
     }
 
-    /// Seconds of a pass with a factor on the radii, and the squared relative error after `seconds`.
-    pub(super) fn forecast(&self, factor: f64, seconds: f64) -> [f64; 2] {
-        let pass = self.photons + self.seconds.at(factor);
-        let passes = (seconds / pass.max(f64::MIN_POSITIVE)).clamp(1.0, 1e9) as u32;
+    /// Seconds of a pass with `more` times the paths and a factor on the radii that are derived from their density, and the
+    /// squared relative error after `seconds`.
+    pub(super) fn forecast(&self, more: f64, factor: f64, seconds: f64) -> [f64; 2] {
+        let count = |pass: f64| (seconds / pass.max(f64::MIN_POSITIVE)).clamp(1.0, 1e9) as u32;
         // Radii shrink: bias is proportional to the mean of their squares, variance to that of their reciprocals.
-        let n = f64::from(passes);
-        let (wide, narrow) =
-            (radius_squared_sum(passes, self.alpha) / n, n / inverse_radius_squared_sum(passes, self.alpha));
-        let error =
-            (self.others + self.variance.at(factor * narrow.sqrt())) / n + self.bias_squared.at(factor * wide.sqrt());
+        let wide = |passes: u32| radius_squared_sum(passes, self.alpha) / f64::from(passes);
+        // Passes become faster with it, which makes them more, and their radii smaller: a few steps find their number.
+        let mut pass = more * self.photons + self.seconds.at(factor);
+        for _ in 0..STEPS {
+            pass = more * self.photons + self.seconds.at(factor * wide(count(pass)).sqrt());
+        }
+        let passes = count(pass);
+        let (n, wide) = (f64::from(passes), wide(passes));
+        let narrow = n / inverse_radius_squared_sum(passes, self.alpha);
+        // Discs of derived radii contain as many photons of more paths, and are smaller.
+        let error = (self.others + self.variance.at(factor * narrow.sqrt())) / n
+            + self.bias_squared.at(factor * (wide / more).sqrt());
         [pass, error]
     }
+}
+
+/// The radiance of each pixel in two passes without most of the bias: that of the first trial, which has the least, extrapolated
+/// to the radius 0 from the second one if that has the same kind of areas, as bias grows where light is smooth: as the squared
+/// radius. (As the radius, which is so at edges, it would be forecast up to twice as large as it was measured.)
+pub(super) fn reference(trials: &[Trial]) -> [Vec<f64>; 2] {
+    let Some(least) = trials.first() else { return Default::default() };
+    let Some(next) = trials.get(1).filter(|next| next.area == least.area && next.factor > least.factor) else {
+        return least.passes.clone();
+    };
+    let share = 1.0 / ((next.factor / least.factor).powi(2) - 1.0);
+    std::array::from_fn(|pass| {
+        let both = least.passes[pass].iter().zip(&next.passes[pass]);
+        both.map(|(least, next)| least + share * (least - next)).collect()
+    })
 }
 
 /// Reciprocals of the squared radiance of each pixel, by this trial and what is not by photons, and a hundredth of its squared
@@ -150,46 +185,72 @@ mod tests {
 
     #[test]
     fn curves_are_powers_between_points_and_beyond() {
-        let curve = Curve { points: [0.5, 1.0, 2.0].map(|x: f64| [x, 3.0 * x * x]).to_vec(), exponents: [0.0, 4.0] };
+        let curve = Curve {
+            points: [0.5, 1.0, 2.0].map(|x: f64| [x, 3.0 * x * x]).to_vec(),
+            exponents: [0.0, 4.0],
+            below: None,
+        };
         for factor in [0.25_f64, 0.5, 0.7, 1.0, 1.9, 2.0, 5.0] {
             assert!((curve.at(factor) / (3.0 * factor * factor) - 1.0).abs() < 1e-12, "{factor}");
         }
+        let known = Curve { below: Some(1.0), ..curve.clone() };
+        assert!((known.at(0.25) - 0.375).abs() < 1e-12 && (known.at(0.7) / 3.0 / 0.49 - 1.0).abs() < 1e-12);
         let flat = Curve { exponents: [-2.0, 0.0], ..curve };
         assert!((flat.at(0.25) - 0.75).abs() < 1e-12 && (flat.at(5.0) - 12.0).abs() < 1e-12, "exponents are limited");
-        let one = Curve { points: vec![[1.0, 7.0]], exponents: [-2.0, 2.0] };
+        let one = Curve { points: vec![[1.0, 7.0]], exponents: [-2.0, 2.0], below: None };
         assert_eq!([one.at(0.5), one.at(3.0)], [7.0; 2]);
-        assert_eq!(Curve { points: Vec::new(), exponents: [0.0; 2] }.at(1.0), 0.0);
+        assert_eq!(Curve { points: Vec::new(), exponents: [0.0; 2], below: None }.at(1.0), 0.0);
     }
 
-    /// Variance and squared bias are recovered from two passes, within 4.5 standard errors.
+    /// Variance and squared bias are recovered from two passes, within 4.5 standard errors, also of trials with areas of another
+    /// kind than the reference.
     #[test]
     fn errors_are_those_of_noise_and_bias() {
-        let bias = 0.06;
-        let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, bias, (factor * 10.0) as u64));
-        let all: Vec<&Trial> = trials.iter().collect();
+        let factors = [0.7, 1.4, 2.0];
+        let trials = |area, bias, first| {
+            (first..).zip(factors).map(|(stream, factor)| trial(area, factor, bias, stream)).collect::<Vec<_>>()
+        };
+        let (surface, disc) = (trials(Area::Surface, 0.06, 10), trials(Area::Disc, 0.1, 20));
+        let reference = reference(&surface);
         let weights = vec![1.0; PIXELS];
         let direct = [noise(90).map(|x| 0.3 * x).collect(), noise(91).map(|x| 0.3 * x).collect()];
-        let model = Model::new(&all, &trials[0], &direct, &weights, 0.75, 1.0);
-        for factor in [1.4, 2.0] {
-            let passes = 100.0;
-            let seconds = 0.75 + 0.25 * factor * factor;
-            let [pass, error] = model.forecast(factor, passes * seconds + 1e-9);
-            assert!((pass - seconds).abs() < 1e-12);
-            let (variance, others): (f64, f64) = (0.04 / (factor * factor), 0.09);
-            // The bias that the trial with the factor 0.7 lacks, 0.7² of it, is assumed to grow as the radius, 0.7 of it.
-            let lacking = bias * (factor * factor - 0.49);
-            let bias_squared = (lacking / (1.0 - 0.7 / factor)).powi(2);
-            let expected = (variance + others) / passes + bias_squared;
-            // Half of a squared difference has the variance 2 σ⁴, the product of two differences σ⁴ + 2 b² σ² with
-            // the variance σ² of each.
-            let each = variance + 0.04 / 0.49;
-            let product = (each * each + 2.0 * lacking * lacking * each).sqrt() / (1.0 - 0.7 / factor).powi(2);
-            let standard_error = ((2.0 * (variance.powi(2) + others.powi(2))) / passes.powi(2) + product.powi(2))
-                .sqrt()
-                / (PIXELS as f64).sqrt();
-            let z = (error - expected) / standard_error;
-            assert!(z.abs() < 4.5, "{factor}: {error} for {expected}, z = {z}");
+        for (trials, bias) in [(surface, 0.06_f64), (disc, 0.1)] {
+            let all: Vec<&Trial> = trials.iter().collect();
+            let model = Model::new(&all, &reference, &direct, &weights, 0.75, 1.0);
+            for factor in [1.4, 2.0] {
+                let passes = 100.0;
+                let seconds = 0.75 + 0.25 * factor * factor;
+                let [pass, error] = model.forecast(1.0, factor, passes * seconds + 1e-9);
+                assert!((pass - seconds).abs() < 1e-12);
+                let variance_of = |factor: f64| 0.04 / (factor * factor);
+                let (variance, others, bias) = (variance_of(factor), 0.09_f64, bias * factor * factor);
+                let expected = (variance + others) / passes + bias * bias;
+                // The reference is 4/3 of the trial with the factor 0.7, less 1/3 of that with 1.4; both may be correlated with
+                // the trial, which at most adds their standard deviations. Half of a squared difference has the variance 2 σ⁴, the
+                // product of two differences with the variance σ² and the mean b of each σ⁴ + 2 b² σ².
+                let parts = [(1.0, factor), (4.0 / 3.0, 0.7), (1.0 / 3.0, 1.4)];
+                let each = parts.map(|(part, factor)| part * variance_of(factor).sqrt()).iter().sum::<f64>().powi(2);
+                let product = each * each + 2.0 * bias * bias * each;
+                let noise = 2.0 * (variance.powi(2) + others.powi(2)) / passes.powi(2);
+                let z = (error - expected) / ((noise + product) / PIXELS as f64).sqrt();
+                assert!(z.abs() < 4.5, "{factor}: {error} for {expected}, z = {z}");
+            }
         }
+    }
+
+    /// Four times the paths: discs with half of the radius contain as many photons, and have a sixteenth of the squared bias.
+    #[test]
+    fn more_paths_make_smaller_discs() {
+        let trials = [0.7, 1.4, 2.0].map(|factor| Trial {
+            passes: [vec![1.0 + 0.1 * factor * factor; PIXELS], vec![1.0 + 0.1 * factor * factor; PIXELS]],
+            ..trial(Area::Surface, factor, 0.0, 0)
+        });
+        let all: Vec<&Trial> = trials.iter().collect();
+        let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
+        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], 0.75, 1.0);
+        let ([once, coarse], [more, fine]) = (model.forecast(1.0, 1.4, 1e9), model.forecast(4.0, 1.4, 1e9));
+        assert!((more - once - 3.0 * 0.75).abs() < 1e-12, "{more} {once}");
+        assert!((coarse / 0.01 / 1.4_f64.powi(4) - 1.0).abs() < 1e-6 && (coarse / fine - 16.0).abs() < 1e-6, "{fine}");
     }
 
     /// A single point that is thirty times too bright does not decide.
@@ -204,10 +265,10 @@ mod tests {
         let trials = [least, trial];
         let all: Vec<&Trial> = trials.iter().collect();
         let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
-        let model = Model::new(&all, &trials[0], &none, &vec![1.0; PIXELS], 0.75, 1.0);
-        // Half of the bias is assumed to be common to both trials. Without the limit it would be 29² times as much.
-        let [_, error] = model.forecast(1.4, 1e9);
-        assert!((error * PIXELS as f64 / (4.0 * MAX_BIAS_SQUARED) - 1.0).abs() < 1e-6, "{error}");
+        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], 0.75, 1.0);
+        // Without the limit it would be (4/3 · 29)² times as much.
+        let [_, error] = model.forecast(1.0, 1.4, 1e9);
+        assert!((error * PIXELS as f64 / MAX_BIAS_SQUARED - 1.0).abs() < 1e-6, "{error}");
     }
 
     /// More passes make the larger radius worse than the smaller one: its bias remains.
@@ -216,8 +277,8 @@ mod tests {
         let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, 0.03, (factor * 10.0) as u64));
         let all: Vec<&Trial> = trials.iter().collect();
         let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
-        let model = Model::new(&all, &trials[0], &none, &vec![1.0; PIXELS], 0.75, 1.0);
-        let error = |factor: f64, seconds: f64| model.forecast(factor, seconds)[1];
+        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], 0.75, 1.0);
+        let error = |factor: f64, seconds: f64| model.forecast(1.0, factor, seconds)[1];
         assert!(error(2.0, 2.0) < error(0.7, 2.0) && error(2.0, 1e4) > error(0.7, 1e4));
     }
 

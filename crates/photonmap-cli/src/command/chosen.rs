@@ -1,0 +1,134 @@
+//! What was chosen for `--time`, as fixed options, and what the other settings were expected to give.
+
+use std::fmt::Write as _;
+use std::time::Instant;
+
+use photon_core::{
+    Area, Bandwidth, Candidate, Choice, Indirect, Pipeline, Render as _, Settings, TransportBackend, View,
+};
+use photon_scene::Scene;
+use serde_json::{Value, json};
+
+use crate::args::SettingsArgs;
+use crate::command::{photon_share, timed};
+use crate::fault::Fault;
+
+/// Number of candidates that `photonmap explain` lists.
+const SHOWN: usize = 16;
+
+/// The settings of a render with `--time`.
+#[derive(Clone, Debug)]
+pub struct Chosen {
+    /// All settings, given and chosen.
+    pub settings: Settings,
+    /// Paths of a pass that are not aimed.
+    photons: u32,
+    /// What trials compared, if there was something to choose.
+    choice: Option<Choice>,
+    /// Seconds that were left for trials and passes.
+    seconds: f64,
+    /// Seconds that trials took.
+    pub trials: f64,
+}
+
+impl Chosen {
+    /// Makes the renderer, and chooses what the options leave to the program for the time that remains since `begun`.
+    ///
+    /// # Errors
+    /// Those of rendering.
+    pub(super) fn pipeline<B: TransportBackend>(
+        on: B,
+        (args, begun): (&SettingsArgs, Instant),
+        (scene, view): (&Scene, View),
+        settings: Settings,
+    ) -> Result<(Pipeline<B>, Self), Fault> {
+        let trying = Instant::now();
+        let (on, settings) = photon_share::choose(on, args, scene, settings)?;
+        let trials = trying.elapsed();
+        let settings = timed::fewer_paths(args, scene, settings);
+        let renderer = Pipeline::new(on, &scene.view(), view, settings.clone())?;
+        let seconds = args.budget.time.map_or(0.0, |time| (time - begun.elapsed().as_secs_f64()).max(0.0));
+        let trying = Instant::now();
+        let (renderer, settings, choice) = timed::choose(renderer, (args, begun), (scene, view), settings)?;
+        let trials = trials + trying.elapsed();
+        let photons = renderer.facts().photons;
+        Ok((renderer, Self { settings, photons, choice, seconds, trials: trials.as_secs_f64() }))
+    }
+
+    /// The options that make the same passes when they are given in place of `--time`.
+    #[must_use]
+    pub fn options(&self) -> String {
+        let settings = &self.settings;
+        let mut options = format!("--photons {} --area {}", self.photons, settings.area.name());
+        let _ =
+            write!(options, " --radius-factor {} --bandwidth {}", settings.radius_factor, settings.bandwidth.name());
+        if settings.indirect == Indirect::Gather {
+            let _ = write!(options, " --indirect gather --gather-rays {}", settings.gather_rays);
+        }
+        options
+    }
+
+    /// The same for a render of this many passes.
+    #[must_use]
+    pub fn with_passes(&self, passes: u32) -> String {
+        format!("{} --passes {passes}", self.options())
+    }
+
+    /// A line for standard error, if something was chosen by trials.
+    pub(super) fn line(&self) -> Option<String> {
+        let choice = self.choice.as_ref()?;
+        let forecast = |area: Area| {
+            let best = choice.candidates.iter().find(|candidate| candidate.area == area)?;
+            Some(format!("{:.1} % with --area {}", 100.0 * best.error.sqrt(), area.name()))
+        };
+        let errors: Vec<String> = Area::ALL.into_iter().filter_map(forecast).collect();
+        Some(format!("chosen for the time: {} (forecast of the error: {})", self.options(), errors.join(", ")))
+    }
+
+    /// For `photonmap explain`: the options with the number of passes that are expected, and all that was compared.
+    pub(super) fn table(&self) -> String {
+        let Some(choice) = &self.choice else {
+            return format!("\nnothing to choose by trials; in place of --time: {}\n", self.options());
+        };
+        let of_choice = |each: &&Candidate| {
+            (each.photons, each.area) == (choice.photons, choice.area)
+                && (each.radius_factor == choice.radius_factor || choice.bandwidth == Bandwidth::PerPixel)
+        };
+        let chosen = choice.candidates.iter().find(of_choice);
+        let passes = chosen.map_or(1.0, |chosen| ((self.seconds - self.trials) / chosen.seconds).max(1.0));
+        let mut text = format!("\nchosen by trials of {:.1} s, in place of --time:\n", self.trials);
+        let _ = writeln!(text, "  {} --passes {passes:.0}", self.options());
+        let _ =
+            writeln!(text, "\nforecasts of the relative error with one radius for each map, and seconds of a pass:");
+        for candidate in choice.candidates.iter().take(SHOWN) {
+            let (area, factor, error) =
+                (candidate.area.name(), candidate.radius_factor, 100.0 * candidate.error.sqrt());
+            let _ = writeln!(
+                text,
+                "  --photons {:<8} --area {area:<8} --radius-factor {factor:<4} {error:6.2} %  {:.4} s",
+                candidate.photons, candidate.seconds
+            );
+        }
+        text
+    }
+
+    /// For the report of a render of this many passes.
+    #[must_use]
+    pub fn json(&self, passes: u32) -> Value {
+        let candidates = self.choice.iter().flat_map(|choice| &choice.candidates);
+        json!({
+            // In place of --time, these make the same picture.
+            "options": self.with_passes(passes),
+            // Time for trials and passes, without what came before.
+            "seconds": self.seconds,
+            // By increasing forecast of the relative error (root mean square) after that time, with one radius for each map.
+            "candidates": candidates.map(|candidate| json!({
+                "photons": candidate.photons,
+                "area": candidate.area.name(),
+                "radius_factor": candidate.radius_factor,
+                "error": candidate.error.sqrt(),
+                "seconds_per_pass": candidate.seconds,
+            })).collect::<Vec<_>>(),
+        })
+    }
+}

@@ -6,8 +6,8 @@ use photon_scene::Scene;
 use crate::harness::{TestBackend, renderer};
 
 const SIZE: u32 = 24;
-const ALL: Open = Open { area: true, radius_factor: true, bandwidth: true };
-const NONE: Open = Open { area: false, radius_factor: false, bandwidth: false };
+const ALL: Open = Open { photons: false, area: true, radius_factor: true, bandwidth: true };
+const NONE: Open = Open { photons: false, area: false, radius_factor: false, bandwidth: false };
 
 fn scene() -> Scene {
     photon_scene::builtin("cornell-glass").unwrap().build().unwrap()
@@ -47,9 +47,9 @@ pub fn chosen_settings_make_the_same_bits<T: TestBackend>() {
         assert!(choice.candidates.iter().all(|candidate| candidate.seconds > 0.0), "{choice:?}");
         choice
     };
-    // In no time there is one pass.
+    // In no time there is one pass, whatever it takes: areas of surfaces have less bias.
     let hasty = check(ALL, 0.0);
-    assert!(hasty.area == Area::Disc && hasty.bandwidth == Bandwidth::Shared, "{hasty:?}");
+    assert!(hasty.area == Area::Surface && hasty.bandwidth == Bandwidth::Shared, "{hasty:?}");
     assert_eq!(hasty.candidates.len(), 10);
     // In years, each pixel finds its own radius.
     let patient = check(ALL, 1e8);
@@ -61,6 +61,14 @@ pub fn chosen_settings_make_the_same_bits<T: TestBackend>() {
     );
     let area = check(Open { area: true, ..NONE }, 1e8);
     assert!(area.radius_factor == 1.0 && area.candidates.len() == 2, "{area:?}");
+    // More paths have smaller radii, which is worth their time if there is enough of it. Fewer would be less than 16 384.
+    let paths = |seconds: f64| {
+        let mut renderer = renderer::<T>(&scene, &settings(), SIZE);
+        renderer.choose(&scene.view(), seconds, Open { photons: true, ..NONE }).unwrap().unwrap()
+    };
+    let (few, more) = (paths(0.0), paths(1e8));
+    assert_eq!([few.photons, more.photons], [1, 4].map(|times| times * settings().photons), "{few:?}, {more:?}");
+    assert_eq!([few.candidates.len(), more.candidates.len()], [2, 2]);
 }
 
 /// Nothing is chosen, and no bit changes, where there is nothing to choose.

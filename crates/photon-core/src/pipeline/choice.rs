@@ -184,8 +184,9 @@ impl<B: TransportBackend> Pipeline<B> {
             (false, true) => &[Area::Surface],
             (false, false) => &[Area::Disc],
         };
-        let (tried, possible): (&[f64], &[f64]) =
-            if open.radius_factor { (&TRIED, &POSSIBLE) } else { (&[1.0], &[1.0]) };
+        // Radii tell the bias with other numbers of paths too.
+        let tried: &[f64] = if open.radius_factor || open.photons { &TRIED } else { &[1.0] };
+        let possible: &[f64] = if open.radius_factor { &POSSIBLE } else { &[1.0] };
         let settings: Vec<(Area, f64)> =
             areas.iter().flat_map(|&area| tried.iter().map(move |&factor| (area, factor))).collect();
         let mut film = self.on.film(scene, small.width, small.height)?;

@@ -28,6 +28,8 @@ pub struct Candidate {
     /// Squared relative error after the given time: the mean over pixels of the squared error, divided by the squared radiance
     /// and a hundredth of the squared mean radiance.
     pub error: f64,
+    /// The part of `error` that is not by photons: noise of direct light and of camera paths.
+    pub direct_error: f64,
 }
 
 /// What was chosen.
@@ -76,12 +78,12 @@ const TRIED: [f64; 3] = [0.7, 1.4, 2.0];
 const POSSIBLE: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 
 /// Multiples of the number of paths that may be chosen, and the least number: fewer take hardly less time.
-const MULTIPLES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+const MULTIPLES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
 const MIN_PHOTONS: f64 = 16_384.0;
 
 /// Discs are chosen, or another number of paths, if the error is less than this part of that with areas of surfaces, or with the
 /// present number: times are not exact, and what discs lack at edges is more visible than noise.
-const CLEARLY_LESS: f64 = 0.9;
+const CLEARLY_LESS: f64 = 0.85;
 
 /// The best of some candidates, which are by increasing error; discs only if they are clearly better.
 fn best_of(candidates: &[Candidate], is_meant: impl Fn(&Candidate) -> bool) -> Option<Candidate> {
@@ -91,6 +93,9 @@ fn best_of(candidates: &[Candidate], is_meant: impl Fn(&Candidate) -> bool) -> O
         (surface, disc) => disc.or(surface),
     }
 }
+
+/// Where direct light has more of the error, the radius of each pixel has little to gain.
+const MAX_DIRECT: f64 = 0.5;
 
 /// With as many passes, a radius for each pixel is worth the error estimates that it takes. These are estimates with a second
 /// radius, which areas of surfaces make more expensive.
@@ -136,13 +141,15 @@ impl<B: TransportBackend> Pipeline<B> {
         let (candidates, photon_seconds) = result?;
         let now = self.settings.photons;
         let Some(best) = best_of(&candidates, |candidate| candidate.photons == now) else { return Ok(None) };
-        let many = open.bandwidth && seconds > passes_per_pixel(best.area) * best.seconds;
+        let other = best_of(&candidates, |candidate| candidate.photons != now);
+        let best = other.filter(|other| other.error < CLEARLY_LESS * best.error).unwrap_or(best);
+        let many = open.bandwidth
+            && seconds > passes_per_pixel(best.area) * best.seconds
+            && best.direct_error < MAX_DIRECT * best.error;
         let (bandwidth, best) = if many {
             (Bandwidth::PerPixel, Candidate { radius_factor: 1.0, ..best })
         } else {
-            let other = best_of(&candidates, |candidate| candidate.photons != now);
-            let other = other.filter(|other| other.error < CLEARLY_LESS * best.error);
-            (self.settings.bandwidth, other.unwrap_or(best))
+            (self.settings.bandwidth, best)
         };
         let Candidate { photons, area, radius_factor, .. } = best;
         let choice = Choice { photons, area, radius_factor, bandwidth, candidates, photon_seconds };
@@ -234,8 +241,8 @@ impl<B: TransportBackend> Pipeline<B> {
             for &more in &multiples {
                 let photons = (more * now).min(f64::from(u32::MAX)) as u32;
                 candidates.extend(possible.iter().map(|&radius_factor| {
-                    let [seconds, error] = model.forecast(more, radius_factor, seconds);
-                    Candidate { photons, area, radius_factor, seconds, error }
+                    let [seconds, error, direct_error] = model.forecast(more, radius_factor, seconds);
+                    Candidate { photons, area, radius_factor, seconds, error, direct_error }
                 }));
             }
         }

@@ -45,7 +45,7 @@ impl Chosen {
         let trying = Instant::now();
         let (on, settings) = photon_share::choose(on, args, scene, settings)?;
         let trials = trying.elapsed();
-        let settings = timed::fewer_paths(args, scene, settings);
+        let settings = timed::fewer_paths(args, settings);
         let renderer = Pipeline::new(on, &scene.view(), view, settings.clone())?;
         let seconds = args.budget.time.map_or(0.0, |time| (time - begun.elapsed().as_secs_f64()).max(0.0));
         let trying = Instant::now();

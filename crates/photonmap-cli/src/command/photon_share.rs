@@ -1,4 +1,4 @@
-//! Settings for `--time` where photons bring little of the light, as of a model in the open under a sky.
+//! Settings for `--time` with error estimates where photons bring little of the light, as of a model in the open under a sky.
 #![expect(clippy::print_stderr, reason = "the choice goes to standard error")]
 
 use photon_core::{
@@ -8,6 +8,7 @@ use photon_core::{
 use photon_scene::Scene;
 
 use crate::args::SettingsArgs;
+use crate::command::timed;
 use crate::fault::Fault;
 
 /// Below this share of the light, fewer photons are better.
@@ -27,7 +28,7 @@ const WIDTH: u32 = 64;
 const PATHS: u32 = 16_384;
 const PASSES: u32 = 2;
 
-/// The settings for this scene: with `--time`, an environment, and neither `--photons` nor `--area`, a small picture tells
+/// The settings for this scene: with `--time`, error estimates (without them, trials choose), an environment, and neither `--photons` nor `--area`, a small picture tells
 /// which share of the light photons bring. If it is little, paths are fewer, and areas may be those of discs, so that the time
 /// is spent on camera paths and shadow rays. The choice depends on scene and settings alone.
 ///
@@ -44,7 +45,7 @@ pub(super) fn choose<B: TransportBackend>(
     // Radii have to be derived, so that those of fewer photons are larger.
     let is_derived =
         matches!(settings.estimator, Estimator::Radius { radius: None }) && settings.irradiance_every.is_none();
-    let is_left_to_us = is_derived && !is_given && args.is_timed();
+    let is_left_to_us = is_derived && !is_given && args.is_timed() && !timed::is_chosen(args);
     if !is_open || !is_left_to_us || settings.photons / FEWER < LEAST {
         return Ok((on, settings));
     }

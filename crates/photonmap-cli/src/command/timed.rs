@@ -3,21 +3,19 @@
 use std::time::Instant;
 
 use photon_core::{
-    Bandwidth, Candidate, Choice, Estimator, Features, Indirect, Open, Pipeline, Settings, TransportBackend, View,
+    Bandwidth, Candidate, Choice, Estimator, Indirect, Open, Pipeline, Settings, TransportBackend, View,
 };
 use photon_scene::Scene;
 
 use crate::args::SettingsArgs;
 use crate::fault::Fault;
 
-/// Half of the paths, and so radii that are √2 times as large: for a given time, more passes are better than more photons.
-/// Under an environment, where photons bring less of the light, [`super::photon_share`] decides.
-pub(super) fn fewer_paths(args: &SettingsArgs, scene: &Scene, settings: Settings) -> Settings {
-    let is_open = Features::of(&scene.view()).contains(Features::ENVIRONMENT);
+/// Half of the paths, from which trials begin: mostly, more passes are better than more photons in a given time.
+pub(super) fn fewer_paths(args: &SettingsArgs, settings: Settings) -> Settings {
     let is_derived =
         matches!(settings.estimator, Estimator::Radius { radius: None }) && settings.irradiance_every.is_none();
     let from_maps = settings.indirect == Indirect::Map;
-    if args.photon.photons.is_some() || is_open || !is_derived || !from_maps || !is_chosen(args) {
+    if args.photon.photons.is_some() || !is_derived || !from_maps || !is_chosen(args) {
         return settings;
     }
     Settings { photons: (settings.photons / 2).max(LEAST.min(settings.photons)), ..settings }
@@ -28,7 +26,7 @@ const LEAST: u32 = 16_384;
 
 /// Whether settings are chosen by trials: with `--time` and nothing else that determines its use. Error
 /// estimates are wanted with the settings that are best for them.
-fn is_chosen(args: &SettingsArgs) -> bool {
+pub(super) fn is_chosen(args: &SettingsArgs) -> bool {
     args.is_timed() && !args.budget.errors
 }
 
@@ -74,8 +72,8 @@ const MANY_PASSES: f64 = 200.0;
 /// as (total paths)^(−2/3), and other noise is small after many passes. On a GPU a pass takes hardly longer with several times
 /// as many. At most two per pixel; `None` if that is less than 1.5 times those of now.
 fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
-    let of_choice = |each: &&Candidate| each.area == choice.area && each.photons == choice.photons;
-    let best = choice.candidates.iter().find(of_choice)?;
+    let of_area = |each: &&Candidate| each.area == choice.area && each.photons == photons;
+    let best = choice.candidates.iter().find(of_area)?;
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
     if choice.bandwidth == Bandwidth::PerPixel { increased(photons, pixels, parts, seconds) } else { None }
 }

@@ -111,8 +111,8 @@ impl Model {
     }
 
     /// Seconds of a pass with `more` times the paths and a factor on the radii that are derived from their density, and the
-    /// squared relative error after `seconds`.
-    pub(super) fn forecast(&self, more: f64, factor: f64, seconds: f64) -> [f64; 2] {
+    /// squared relative error after `seconds`, and the part of it that is not by photons.
+    pub(super) fn forecast(&self, more: f64, factor: f64, seconds: f64) -> [f64; 3] {
         let count = |pass: f64| (seconds / pass.max(f64::MIN_POSITIVE)).clamp(1.0, 1e9) as u32;
         // Radii shrink: bias is proportional to the mean of their squares, variance to that of their reciprocals.
         let wide = |passes: u32| radius_squared_sum(passes, self.alpha) / f64::from(passes);
@@ -125,9 +125,10 @@ impl Model {
         let (n, wide) = (f64::from(passes), wide(passes));
         let narrow = n / inverse_radius_squared_sum(passes, self.alpha);
         // Discs of derived radii contain as many photons of more paths, and are smaller.
-        let error = (self.others + self.variance.at(factor * narrow.sqrt())) / n
-            + self.bias_squared.at(factor * (wide / more).sqrt());
-        [pass, error]
+        let others = self.others / n;
+        let error =
+            others + self.variance.at(factor * narrow.sqrt()) / n + self.bias_squared.at(factor * (wide / more).sqrt());
+        [pass, error, others]
     }
 }
 
@@ -220,8 +221,8 @@ mod tests {
             for factor in [1.4, 2.0] {
                 let passes = 100.0;
                 let seconds = 0.75 + 0.25 * factor * factor;
-                let [pass, error] = model.forecast(1.0, factor, passes * seconds + 1e-9);
-                assert!((pass - seconds).abs() < 1e-12);
+                let [pass, error, direct] = model.forecast(1.0, factor, passes * seconds + 1e-9);
+                assert!((pass - seconds).abs() < 1e-12 && (direct * passes / 0.09 - 1.0).abs() < 0.2, "{direct}");
                 let variance_of = |factor: f64| 0.04 / (factor * factor);
                 let (variance, others, bias) = (variance_of(factor), 0.09_f64, bias * factor * factor);
                 let expected = (variance + others) / passes + bias * bias;
@@ -248,7 +249,7 @@ mod tests {
         let all: Vec<&Trial> = trials.iter().collect();
         let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
         let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], 0.75, 1.0);
-        let ([once, coarse], [more, fine]) = (model.forecast(1.0, 1.4, 1e9), model.forecast(4.0, 1.4, 1e9));
+        let ([once, coarse, _], [more, fine, _]) = (model.forecast(1.0, 1.4, 1e9), model.forecast(4.0, 1.4, 1e9));
         assert!((more - once - 3.0 * 0.75).abs() < 1e-12, "{more} {once}");
         assert!((coarse / 0.01 / 1.4_f64.powi(4) - 1.0).abs() < 1e-6 && (coarse / fine - 16.0).abs() < 1e-6, "{fine}");
     }
@@ -267,7 +268,7 @@ mod tests {
         let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
         let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], 0.75, 1.0);
         // Without the limit it would be (4/3 · 29)² times as much.
-        let [_, error] = model.forecast(1.0, 1.4, 1e9);
+        let [_, error, _] = model.forecast(1.0, 1.4, 1e9);
         assert!((error * PIXELS as f64 / MAX_BIAS_SQUARED - 1.0).abs() < 1e-6, "{error}");
     }
 

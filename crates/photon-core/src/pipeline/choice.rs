@@ -46,7 +46,7 @@ pub struct Choice {
     pub bandwidth: Bandwidth,
     /// All that were compared, by increasing error, with one radius for each map.
     pub candidates: Vec<Candidate>,
-    /// Seconds of a pass until its photon maps are built.
+    /// Seconds of a pass that are proportional to the number of paths, until photon maps are built.
     pub photon_seconds: f64,
 }
 
@@ -181,7 +181,7 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    /// The candidates by increasing error, and the seconds of a pass for its photons.
+    /// The candidates by increasing error, and the seconds of a pass that are proportional to the number of paths.
     fn compare(&mut self, scene: &SceneView<'_>, seconds: f64, open: Open) -> Result<(Vec<Candidate>, f64)> {
         let whole = self.view;
         let reduced = |length: u32| (length / REDUCTION).max(LEAST).min(length);
@@ -209,7 +209,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let pixels = |view: View| f64::from(view.width) * f64::from(view.height);
         let more = pixels(whole) / pixels(small);
         // The lesser of two times: other programs only add to them.
-        let (mut photons, look) = (first.photons.min(second.photons), first.look.min(second.look));
+        // On a CPU, they are proportional to paths as far as photons take them; a GPU is seldom filled by those of a short pass.
+        let (mut photons, look) = ([0.0, first.photons.min(second.photons)], first.look.min(second.look));
         let others = first.others(&second);
         let direct = [first.direct, second.direct];
         let mut trials: Vec<Trial> = settings
@@ -223,12 +224,12 @@ impl<B: TransportBackend> Pipeline<B> {
             })
             .collect();
         let slowest = trials.iter().map(|trial| trial.seconds).fold(0.0, f64::max);
-        if photons + slowest < TIMED_PART * seconds {
+        if photons[1] + slowest < TIMED_PART * seconds {
             let timed = self.time_whole(&settings)?;
             photons = timed.photons;
             trials.iter_mut().zip(timed.shown).for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);
         }
-        let Some(least) = trials.first() else { return Ok((Vec::new(), photons)) };
+        let Some(least) = trials.first() else { return Ok((Vec::new(), photons[1])) };
         let weights = weights(least, &others);
         let reference = reference(&trials);
         let mut candidates = Vec::new();
@@ -247,6 +248,6 @@ impl<B: TransportBackend> Pipeline<B> {
             }
         }
         candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
-        Ok((candidates, photons))
+        Ok((candidates, photons[1]))
     }
 }

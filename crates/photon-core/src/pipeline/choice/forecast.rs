@@ -54,19 +54,20 @@ pub(super) struct Model {
     variance: Curve,
     bias_squared: Curve,
     seconds: Curve,
-    photons: f64,
+    photons: [f64; 2],
     alpha: f64,
 }
 
 impl Model {
     /// From the trials of one kind of areas, by increasing factor; `reference` is the radiance that they are compared with
-    /// ([`reference`]), and `photons` the seconds of a pass that do not depend on the picture.
+    /// ([`reference`]), and `photons` the seconds until there are photon maps: fixed ones, and those that are
+    /// proportional to the number of paths.
     pub(super) fn new(
         trials: &[&Trial],
         reference: &[Vec<f64>; 2],
         direct: &[Vec<f64>; 2],
         weights: &[f64],
-        photons: f64,
+        photons: [f64; 2],
         alpha: f64,
     ) -> Self {
         let mean = |of: &dyn Fn(usize) -> f64| {
@@ -117,9 +118,10 @@ impl Model {
         // Radii shrink: bias is proportional to the mean of their squares, variance to that of their reciprocals.
         let wide = |passes: u32| radius_squared_sum(passes, self.alpha) / f64::from(passes);
         // Passes become faster with it, which makes them more, and their radii smaller: a few steps find their number.
-        let mut pass = more * self.photons + self.seconds.at(factor);
+        let photons = self.photons[0] + more * self.photons[1];
+        let mut pass = photons + self.seconds.at(factor);
         for _ in 0..STEPS {
-            pass = more * self.photons + self.seconds.at(factor * wide(count(pass)).sqrt());
+            pass = photons + self.seconds.at(factor * wide(count(pass)).sqrt());
         }
         let passes = count(pass);
         let (n, wide) = (f64::from(passes), wide(passes));
@@ -217,7 +219,7 @@ mod tests {
         let direct = [noise(90).map(|x| 0.3 * x).collect(), noise(91).map(|x| 0.3 * x).collect()];
         for (trials, bias) in [(surface, 0.06_f64), (disc, 0.1)] {
             let all: Vec<&Trial> = trials.iter().collect();
-            let model = Model::new(&all, &reference, &direct, &weights, 0.75, 1.0);
+            let model = Model::new(&all, &reference, &direct, &weights, [0.25, 0.5], 1.0);
             for factor in [1.4, 2.0] {
                 let passes = 100.0;
                 let seconds = 0.75 + 0.25 * factor * factor;
@@ -248,9 +250,9 @@ mod tests {
         });
         let all: Vec<&Trial> = trials.iter().collect();
         let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
-        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], 0.75, 1.0);
+        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
         let ([once, coarse, _], [more, fine, _]) = (model.forecast(1.0, 1.4, 1e9), model.forecast(4.0, 1.4, 1e9));
-        assert!((more - once - 3.0 * 0.75).abs() < 1e-12, "{more} {once}");
+        assert!((more - once - 3.0 * 0.5).abs() < 1e-12, "{more} {once}");
         assert!((coarse / 0.01 / 1.4_f64.powi(4) - 1.0).abs() < 1e-6 && (coarse / fine - 16.0).abs() < 1e-6, "{fine}");
     }
 
@@ -266,7 +268,7 @@ mod tests {
         let trials = [least, trial];
         let all: Vec<&Trial> = trials.iter().collect();
         let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
-        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], 0.75, 1.0);
+        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
         // Without the limit it would be (4/3 · 29)² times as much.
         let [_, error, _] = model.forecast(1.0, 1.4, 1e9);
         assert!((error * PIXELS as f64 / MAX_BIAS_SQUARED - 1.0).abs() < 1e-6, "{error}");
@@ -278,7 +280,7 @@ mod tests {
         let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, 0.03, (factor * 10.0) as u64));
         let all: Vec<&Trial> = trials.iter().collect();
         let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
-        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], 0.75, 1.0);
+        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
         let error = |factor: f64, seconds: f64| model.forecast(1.0, factor, seconds)[1];
         assert!(error(2.0, 2.0) < error(0.7, 2.0) && error(2.0, 1e4) > error(0.7, 1e4));
     }

@@ -32,7 +32,8 @@ impl Tried {
 
 /// Seconds of a pass with the whole picture.
 pub(super) struct Timed {
-    pub(super) photons: f64,
+    /// Until there are photon maps: fixed, and proportional to the number of paths.
+    pub(super) photons: [f64; 2],
     pub(super) look: f64,
     /// The estimates with each of several settings.
     pub(super) shown: Vec<f64>,
@@ -41,7 +42,7 @@ pub(super) struct Timed {
 impl<B: TransportBackend> Pipeline<B> {
     /// One pass into the present film with each of the settings, areas and factors on radii.
     pub(super) fn tried(&mut self, index: u32, settings: &[(Area, f64)]) -> Result<Tried> {
-        let (mut maps, photons) = self.timed_maps(index)?;
+        let (mut maps, photons) = self.timed_maps(index, self.settings.photons)?;
         self.look(index)?;
         let look = self.rendering()?;
         self.on.end_pass(&mut self.film)?;
@@ -65,19 +66,25 @@ impl<B: TransportBackend> Pipeline<B> {
 
     /// What a pass with the whole picture takes; nothing is added to the film.
     pub(super) fn time_whole(&mut self, settings: &[(Area, f64)]) -> Result<Timed> {
-        let (mut maps, photons) = self.timed_maps(0)?;
+        let paths = self.settings.photons;
+        let few = (paths / 4).max(1);
+        let (maps, seconds_few) = self.timed_maps(0, few)?;
+        self.reclaim_maps(maps);
+        let (mut maps, seconds) = self.timed_maps(0, paths)?;
+        let more = f64::from(paths) / f64::from(paths.abs_diff(few).max(1));
+        let proportional = (more * (seconds - seconds_few)).clamp(0.0, seconds);
         self.look(0)?;
         let look = self.rendering()?;
         let shown: Result<Vec<f64>> =
             settings.iter().map(|&setting| self.timed_estimates(&mut maps, setting)).collect();
         self.on.abandon_pass(&mut self.film)?;
         self.reclaim_maps(maps);
-        Ok(Timed { photons, look, shown: shown? })
+        Ok(Timed { photons: [seconds - proportional, proportional], look, shown: shown? })
     }
 
-    fn timed_maps(&mut self, index: u32) -> Result<(Vec<BuiltMap<B>>, f64)> {
+    fn timed_maps(&mut self, index: u32, paths: u32) -> Result<(Vec<BuiltMap<B>>, f64)> {
         self.on.timings()?;
-        let sent = self.emit_and_trace(index, self.settings.photons, &mut ())?;
+        let sent = self.emit_and_trace(index, paths, &mut ())?;
         self.on.mark(Some(Stage::Build));
         let maps = self.build_maps(index, &sent.per_map())?;
         self.on.mark(None);

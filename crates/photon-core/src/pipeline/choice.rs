@@ -223,8 +223,8 @@ impl<B: TransportBackend> Pipeline<B> {
                 seconds: (look + once.min(again)) * more,
             })
             .collect();
-        let slowest = trials.iter().map(|trial| trial.seconds).fold(0.0, f64::max);
-        if photons[1] + slowest < TIMED_PART * seconds {
+        let fastest = trials.iter().map(|trial| trial.seconds).fold(f64::INFINITY, f64::min);
+        if photons[1] + fastest < TIMED_PART * seconds {
             let timed = self.time_whole(&settings)?;
             photons = timed.photons;
             trials.iter_mut().zip(timed.shown).for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);

@@ -113,10 +113,10 @@ pub struct BudgetArgs {
     pub passes: Option<PassRange>,
     /// Time limit in seconds, from start to finished file.
     ///
-    /// Passes are rendered until the time is used up. Unless --preset, --passes or a target is given, --area, --radius-factor
-    /// and --bandwidth are chosen by trials in the scene, and --photons is one per pixel if that is less than without a time, or
-    /// up to two where hundreds of passes fit. Under an environment it is two per pixel, or a quarter if photons bring little
-    /// of the light. With --errors, --area and --bandwidth are those of the preset `final`, and --photons is two per pixel.
+    /// Passes are rendered until the time is used up. Unless --preset, --passes or a target is given, --photons, --area,
+    /// --radius-factor and --bandwidth are chosen by trials in the scene, and reported as options (`photonmap explain` shows
+    /// them without rendering). With --errors, --area and --bandwidth are those of the preset `final`, and --photons is two per
+    /// pixel, or a quarter under an environment if photons bring little of the light.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Stop at this relative error, such as 0.05.

@@ -121,6 +121,27 @@ fn textures_and_attributes_come_back_bit_by_bit() {
     gltf::Gltf::from_slice(&bytes).unwrap_or_else(|why| panic!("{why:?}"));
 }
 
+/// glTF ignores tangents of meshes without normals; ours count, whether single precision has them or not.
+#[test]
+fn tangents_without_normals_come_back() {
+    for x in [0.0, 1.0 / 3.0] {
+        let mut scene = SceneBuilder::new();
+        let bumps = TextureDesc::linear8("bumps", 2, 1, &[[128, 128, 255, 255], [180, 90, 230, 255]]);
+        let mut wall = MaterialDesc::lambert("wall", [0.5; 3]);
+        wall.textures.normal = Some(TextureRef::new(scene.texture(bumps)));
+        let wall = scene.material(wall);
+        let plain = VertexAttributes::default().with_uvs(vec![SQUARE.map(|[u, v, _]| [u, v]).to_vec()]);
+        let turned = plain.clone().with_tangents(vec![[x, 1.0, 0.0, 1.0]; 4]);
+        let [mut other, mut given] = [scene.clone(), scene];
+        other.mesh_with("wall", SQUARE.to_vec(), vec![[0, 1, 2], [0, 2, 3]], plain, wall);
+        given.mesh_with("wall", SQUARE.to_vec(), vec![[0, 1, 2], [0, 2, 3]], turned, wall);
+        let (again, report) = reload("tangents", &glb(&given).unwrap());
+        assert!(report.is_exact(), "{report}");
+        assert_eq!(tables(&given), tables(&again));
+        assert_ne!(tables(&given), tables(&other), "the tangents are not used");
+    }
+}
+
 /// Single precision has 0 in place of these factors. A coordinate just below 0 is moved to 1 where it can be moved by
 /// whole numbers: the file must decide that as the scene did.
 #[test]

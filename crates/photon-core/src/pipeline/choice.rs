@@ -10,7 +10,7 @@ use crate::backend::stages::View;
 use crate::error::Result;
 use crate::radius::radii;
 use crate::scene::SceneView;
-use crate::settings::{Area, Bandwidth, Estimator, Indirect};
+use crate::settings::{Area, Bandwidth, CausticPhotons, Estimator, Indirect};
 use forecast::{Model, Trial, reference, weights};
 
 /// What a setting of the estimates is expected to give.
@@ -70,8 +70,8 @@ const REDUCTION: u32 = 5;
 /// Least width and height of these pictures, if the picture has as many.
 const LEAST: u32 = 40;
 
-/// The whole picture is timed too if a pass takes less than this part of the time: small pictures do not fill a GPU.
-const TIMED_PART: f64 = 0.02;
+/// The whole picture is timed too if a pass with each setting takes less than this part of the time: small pictures do not fill a GPU.
+const TIMED_PART: f64 = 0.1;
 
 /// Factors on radii that are tried, and those that may be chosen.
 const TRIED: [f64; 3] = [0.7, 1.4, 2.0];
@@ -108,8 +108,8 @@ const fn passes_per_pixel(area: Area) -> f64 {
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Compares the settings that are `open` for `seconds` of passes, and takes the best: afterwards the pipeline renders as if
-    /// it had been made with them. Only the number of paths is that of before: if [`Choice::photons`] is another, a new pipeline
-    /// has to be made. `None`, and nothing changes, if there is nothing to choose: without photon maps whose
+    /// it had been made with them. The number of paths is not changed: if [`Choice::photons`] differs, a new pipeline has to be
+    /// made. `None`, and nothing changes, if there is nothing to choose: without photon maps whose
     /// estimates are shown, with final gathering, whose rays would have to be tried too, or after the first pass.
     ///
     /// Two passes with all photons are rendered for a small part of the pixels, with other random numbers than those of the
@@ -123,10 +123,15 @@ impl<B: TransportBackend> Pipeline<B> {
         let shown = self.maps.iter().any(|slot| is_shown(&self.settings, slot.kind));
         let derived = matches!(self.settings.estimator, Estimator::Radius { radius: None })
             && self.settings.irradiance_every.is_none();
+        // With a fixed number of aimed paths, more of the others do not make the discs of caustics smaller.
+        let is_aimed = matches!(self.settings.caustic_photons, CausticPhotons::Aimed(_));
         let open = Open {
-            photons: open.photons && derived && self.cap.is_none() && self.bandwidth.is_none(),
+            photons: open.photons && derived && self.cap.is_none() && self.bandwidth.is_none() && !is_aimed,
             area: open.area && self.stages.area.is_some(),
-            radius_factor: open.radius_factor && derived && self.settings.radius_factor == 1.0,
+            radius_factor: open.radius_factor
+                && derived
+                && self.settings.radius_factor == 1.0
+                && self.bandwidth.is_none(),
             bandwidth: open.bandwidth && derived && self.bandwidth.is_none() && self.cap.is_none(),
         };
         let nothing = !(open.photons || open.area || open.radius_factor || open.bandwidth);
@@ -135,7 +140,7 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         let (whole, seed) = (self.view, self.settings.seed);
         self.settings.seed = !seed;
-        let result = self.compare(scene, seconds, open);
+        let result = self.compare(scene, seconds, (open, derived));
         (self.view, self.settings.seed) = (whole, seed);
         self.recover()?;
         let (candidates, photon_seconds) = result?;
@@ -182,7 +187,12 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 
     /// The candidates by increasing error, and the seconds of a pass that are proportional to the number of paths.
-    fn compare(&mut self, scene: &SceneView<'_>, seconds: f64, open: Open) -> Result<(Vec<Candidate>, f64)> {
+    fn compare(
+        &mut self,
+        scene: &SceneView<'_>,
+        seconds: f64,
+        (open, derived): (Open, bool),
+    ) -> Result<(Vec<Candidate>, f64)> {
         let whole = self.view;
         let reduced = |length: u32| (length / REDUCTION).max(LEAST).min(length);
         let small = View { width: reduced(whole.width), height: reduced(whole.height), ..whole };
@@ -191,8 +201,8 @@ impl<B: TransportBackend> Pipeline<B> {
             (false, true) => &[Area::Surface],
             (false, false) => &[Area::Disc],
         };
-        // Radii tell the bias with other numbers of paths too.
-        let tried: &[f64] = if open.radius_factor || open.photons { &TRIED } else { &[1.0] };
+        // Radii tell the bias, even if none may be chosen.
+        let tried: &[f64] = if derived { &TRIED } else { &[1.0] };
         let possible: &[f64] = if open.radius_factor { &POSSIBLE } else { &[1.0] };
         let settings: Vec<(Area, f64)> =
             areas.iter().flat_map(|&area| tried.iter().map(move |&factor| (area, factor))).collect();
@@ -209,7 +219,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let pixels = |view: View| f64::from(view.width) * f64::from(view.height);
         let more = pixels(whole) / pixels(small);
         // The lesser of two times: other programs only add to them.
-        // On a CPU, they are proportional to paths as far as photons take them; a GPU is seldom filled by those of a short pass.
+        // Until the whole picture is timed, all of this is taken to be proportional to the number of paths.
         let (mut photons, look) = ([0.0, first.photons.min(second.photons)], first.look.min(second.look));
         let others = first.others(&second);
         let direct = [first.direct, second.direct];
@@ -223,8 +233,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 seconds: (look + once.min(again)) * more,
             })
             .collect();
-        let fastest = trials.iter().map(|trial| trial.seconds).fold(f64::INFINITY, f64::min);
-        if photons[1] + fastest < TIMED_PART * seconds {
+        if photons[1] + trials.iter().map(|trial| trial.seconds).sum::<f64>() < TIMED_PART * seconds {
             let timed = self.time_whole(&settings)?;
             photons = timed.photons;
             trials.iter_mut().zip(timed.shown).for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);

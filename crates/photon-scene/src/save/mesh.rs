@@ -37,6 +37,10 @@ impl File {
         let given = &mesh.attributes;
         extras.normals = self.attribute(&mut attributes, "NORMAL", &given.normals, standard::normal);
         extras.tangents = self.attribute(&mut attributes, "TANGENT", &given.tangents, standard::tangent);
+        if given.normals.is_empty() && !given.tangents.is_empty() && extras.tangents.is_none() {
+            // glTF ignores tangents without normals, unless these values say that they count.
+            extras.tangents = Some(self.exact_view(&given.tangents));
+        }
         extras.colors = self.attribute(&mut attributes, "COLOR_0", &given.colors, standard::color);
         for (set, uvs) in given.uvs.iter().enumerate() {
             // glTF does not allow gaps between sets.
@@ -83,6 +87,11 @@ impl File {
         if values.iter().zip(rounded).all(is_exact) {
             return None;
         }
-        Some(self.view(values.iter().flatten().flat_map(|c| c.to_le_bytes())))
+        Some(self.exact_view(values))
+    }
+
+    /// A view of the values in double precision.
+    fn exact_view<const N: usize>(&mut self, values: &[[f64; N]]) -> usize {
+        self.view(values.iter().flatten().flat_map(|c| c.to_le_bytes()))
     }
 }

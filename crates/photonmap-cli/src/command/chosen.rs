@@ -3,9 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use photon_core::{
-    Area, Bandwidth, Candidate, Choice, Indirect, Pipeline, Render as _, Settings, TransportBackend, View,
-};
+use photon_core::{Area, Bandwidth, Candidate, Choice, Pipeline, Render as _, Settings, TransportBackend, View};
 use photon_scene::Scene;
 use serde_json::{Value, json};
 
@@ -23,6 +21,8 @@ pub struct Chosen {
     pub settings: Settings,
     /// Paths of a pass that are not aimed.
     photons: u32,
+    /// Whether paths, areas, the factor on radii and the kind of radii were given as options.
+    given: [bool; 4],
     /// What trials compared, if there was something to choose.
     choice: Option<Choice>,
     /// Seconds that were left for trials and passes.
@@ -52,26 +52,34 @@ impl Chosen {
         let (renderer, settings, choice) = timed::choose(renderer, (args, begun), (scene, view), settings)?;
         let trials = trials + trying.elapsed();
         let photons = renderer.facts().photons;
-        Ok((renderer, Self { settings, photons, choice, seconds, trials: trials.as_secs_f64() }))
+        let estimate = &args.estimate;
+        let given = [
+            args.photon.photons.is_some(),
+            estimate.area.is_some(),
+            estimate.radius_factor.is_some(),
+            estimate.bandwidth.is_some(),
+        ];
+        Ok((renderer, Self { settings, photons, given, choice, seconds, trials: trials.as_secs_f64() }))
     }
 
-    /// The options that make the same passes when they are given in place of `--time`.
+    /// The options that make the same passes when they are given in place of `--time`, besides those that were given.
     #[must_use]
     pub fn options(&self) -> String {
         let settings = &self.settings;
-        let mut options = format!("--photons {} --area {}", self.photons, settings.area.name());
-        let _ =
-            write!(options, " --radius-factor {} --bandwidth {}", settings.radius_factor, settings.bandwidth.name());
-        if settings.indirect == Indirect::Gather {
-            let _ = write!(options, " --indirect gather --gather-rays {}", settings.gather_rays);
-        }
-        options
+        let [photons, area, radius_factor, bandwidth] = self.given;
+        let parts = [
+            (photons, format!("--photons {}", self.photons)),
+            (area, format!("--area {}", settings.area.name())),
+            (radius_factor, format!("--radius-factor {}", settings.radius_factor)),
+            (bandwidth, format!("--bandwidth {}", settings.bandwidth.name())),
+        ];
+        parts.into_iter().filter(|(given, _)| !given).map(|(_, text)| text).collect::<Vec<_>>().join(" ")
     }
 
     /// The same for a render of this many passes.
     #[must_use]
     pub fn with_passes(&self, passes: u32) -> String {
-        format!("{} --passes {passes}", self.options())
+        format!("{} --passes {passes}", self.options()).trim_start().to_owned()
     }
 
     /// A line for standard error, if something was chosen by trials.
@@ -88,16 +96,21 @@ impl Chosen {
     /// For `photonmap explain`: the options with the number of passes that are expected, and all that was compared.
     pub(super) fn table(&self) -> String {
         let Some(choice) = &self.choice else {
-            return format!("\nnothing to choose by trials; in place of --time: {}\n", self.options());
+            return format!(
+                "\nnothing is chosen by trials; in place of --time, with a number of passes: {}\n",
+                self.options()
+            );
         };
         let of_choice = |each: &&Candidate| {
             (each.photons, each.area) == (choice.photons, choice.area)
                 && (each.radius_factor == choice.radius_factor || choice.bandwidth == Bandwidth::PerPixel)
         };
         let chosen = choice.candidates.iter().find(of_choice);
+        // Error estimates, and paths that are increased for radii of each pixel, make passes longer.
         let passes = chosen.map_or(1.0, |chosen| ((self.seconds - self.trials) / chosen.seconds).max(1.0));
+        let most = if choice.bandwidth == Bandwidth::PerPixel { ", fewer passes than that" } else { "" };
         let mut text = format!("\nchosen by trials of {:.1} s, in place of --time:\n", self.trials);
-        let _ = writeln!(text, "  {} --passes {passes:.0}", self.options());
+        let _ = writeln!(text, "  {} --passes {passes:.0}{most}", self.options());
         let _ =
             writeln!(text, "\nforecasts of the relative error with one radius for each map, and seconds of a pass:");
         for candidate in choice.candidates.iter().take(SHOWN) {
@@ -117,7 +130,7 @@ impl Chosen {
     pub fn json(&self, passes: u32) -> Value {
         let candidates = self.choice.iter().flat_map(|choice| &choice.candidates);
         json!({
-            // In place of --time, these make the same picture.
+            // In place of --time, these make the same picture, unless memory is limited or --errors is given with shared radii.
             "options": self.with_passes(passes),
             // Time for trials and passes, without what came before.
             "seconds": self.seconds,
@@ -127,6 +140,8 @@ impl Chosen {
                 "area": candidate.area.name(),
                 "radius_factor": candidate.radius_factor,
                 "error": candidate.error.sqrt(),
+                // What of it is noise of direct light and camera paths.
+                "direct_error": candidate.direct_error.sqrt(),
                 "seconds_per_pass": candidate.seconds,
             })).collect::<Vec<_>>(),
         })

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use photon_core::{
-    Bandwidth, Candidate, Choice, Estimator, Indirect, Open, Pipeline, Settings, TransportBackend, View,
+    Bandwidth, Candidate, Choice, Estimator, Indirect, Open, Pipeline, Render as _, Settings, TransportBackend, View,
 };
 use photon_scene::Scene;
 
@@ -56,8 +56,9 @@ pub(super) fn choose<B: TransportBackend>(
     let mut settings = Settings { area: choice.area, radius_factor, bandwidth: choice.bandwidth, errors, ..settings };
     if args.photon.photons.is_none() {
         let pixels = view.width.saturating_mul(view.height);
-        let photons = more_paths(&choice, settings.photons, pixels, seconds).unwrap_or(choice.photons);
-        if photons != settings.photons {
+        let more = more_paths(&choice, renderer.facts().photons, pixels, seconds);
+        let photons = more.map_or(choice.photons, |more| more.max(choice.photons));
+        if photons != renderer.facts().photons {
             settings.photons = photons;
             renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, settings.clone())?;
         }

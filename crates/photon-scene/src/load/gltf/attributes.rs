@@ -31,9 +31,9 @@ pub(super) fn read(
         ..VertexAttributes::default()
     };
     attributes.colors.as_flattened_mut().iter_mut().filter(|part| part.is_nan()).for_each(|part| *part = 0.0);
-    // Without normals, tangents have to be ignored (glTF 2.0 specification, section 3.7.2.1).
+    // Without normals, tangents have to be ignored (glTF 2.0 specification, section 3.7.2.1), except those of our own files.
     let needs_tangents = material.textures.normal.is_some() || material.anisotropy > 0.0;
-    if needs_tangents && !attributes.normals.is_empty() {
+    if needs_tangents && (!attributes.normals.is_empty() || extras.tangents.is_some()) {
         attributes.tangents = reader.list(Semantic::Tangents, &[Type::Vec4], [0.0; 4])?.unwrap_or_default();
     }
     let (normals, colors) = (std::mem::take(&mut attributes.normals), std::mem::take(&mut attributes.colors));

@@ -9,7 +9,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
             assert_eq!(film.pixels.len(), film.width as usize * film.height as usize);
             assert_eq!(film.beauty().len(), film.pixels.len());
             assert_eq!(info.contains.count(), u64::from(film.passes));
-            // Counts of damaged files may be anything: whether they agree is told, without overflow.
+            // Counts of damaged files may be arbitrarily large; sums of them must not overflow.
             let _: [bool; 2] = [film.tally.photons.balances(), film.tally.aimed.balances()];
         }
     }

@@ -4,7 +4,7 @@ use photon_core::{Film, FluxSum, Forecast, LightShare, Outcome, PerMap, Render, 
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
-use crate::command::chosen::Chosen;
+use crate::command::chosen::TimedSettings;
 
 /// Contents of the report besides those of the renderer.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ pub struct Details<'a> {
     /// Seconds of trials by which settings are chosen.
     pub seconds_trials: f64,
     /// What was chosen for the time, if it is given.
-    pub chosen: Option<&'a Chosen>,
+    pub chosen: Option<&'a TimedSettings>,
     /// Seconds from the first pass to the film on the host.
     pub seconds_passes: f64,
     /// Seconds from start to finished film.

@@ -1,16 +1,18 @@
 //! The choice of areas, radii and photons for a given time, by trials.
 
+mod decide;
 mod forecast;
 mod trials;
 
 use super::Pipeline;
 use super::estimate::is_shown;
-use crate::backend::TransportBackend;
 use crate::backend::stages::View;
+use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::radii;
 use crate::scene::SceneView;
 use crate::settings::{Area, Bandwidth, CausticPhotons, Estimator, Indirect};
+use decide::decide;
 use forecast::{Model, Trial, reference, weights};
 
 /// What a setting of the estimates is expected to give.
@@ -54,11 +56,11 @@ pub struct Choice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 // Exhaustive: a caller decides about each.
 pub struct Open {
-    /// [`crate::Settings::photons`], if radii are derived without a limit on memory.
+    /// [`crate::Settings::photons`], if radii are derived and shared, without a limit on memory and a given number of aimed paths.
     pub photons: bool,
     /// [`crate::Settings::area`], if the settings have [`Area::Surface`].
     pub area: bool,
-    /// [`crate::Settings::radius_factor`], if it is 1 and radii are derived.
+    /// [`crate::Settings::radius_factor`], if it is 1 and radii are derived and shared.
     pub radius_factor: bool,
     /// [`crate::Settings::bandwidth`], if it is [`Bandwidth::Shared`] and radii are derived without a limit on memory.
     pub bandwidth: bool,
@@ -68,49 +70,30 @@ pub struct Open {
 const REDUCTION: u32 = 5;
 
 /// Least width and height of these pictures, if the picture has as many.
-const LEAST: u32 = 40;
+const MIN_SIZE: u32 = 40;
 
-/// The whole picture is timed too if a pass with each setting takes less than this part of the time: small pictures do not fill a GPU.
+/// The whole picture is timed too if passes with each of the settings take less than this part of the time together: small
+/// pictures do not fill a GPU.
 const TIMED_PART: f64 = 0.1;
 
 /// Factors on radii that are tried, and those that may be chosen.
 const TRIED: [f64; 3] = [0.7, 1.4, 2.0];
 const POSSIBLE: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 
-/// Multiples of the number of paths that may be chosen, and the least number: fewer take hardly less time.
+/// Multiples of the number of paths that may be chosen.
 const MULTIPLES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
-const MIN_PHOTONS: f64 = 16_384.0;
 
-/// Discs are chosen, or another number of paths, if the error is less than this part of that with areas of surfaces, or with the
-/// present number: times are not exact, and what discs lack at edges is more visible than noise.
-const CLEARLY_LESS: f64 = 0.85;
-
-/// The best of some candidates, which are by increasing error; discs only if they are clearly better.
-fn best_of(candidates: &[Candidate], is_meant: impl Fn(&Candidate) -> bool) -> Option<Candidate> {
-    let least = |area: Area| candidates.iter().find(|candidate| candidate.area == area && is_meant(candidate)).copied();
-    match (least(Area::Surface), least(Area::Disc)) {
-        (Some(surface), Some(disc)) if disc.error > CLEARLY_LESS * surface.error => Some(surface),
-        (surface, disc) => disc.or(surface),
-    }
-}
-
-/// Where direct light has more of the error, the radius of each pixel has little to gain.
-const MAX_DIRECT: f64 = 0.5;
-
-/// With as many passes, a radius for each pixel is worth the error estimates that it takes. These are estimates with a second
-/// radius, which areas of surfaces make more expensive.
-const fn passes_per_pixel(area: Area) -> f64 {
-    match area {
-        Area::Disc => 200.0,
-        Area::Surface => 500.0,
-    }
+impl Choice {
+    /// No fewer paths are chosen: they would take hardly less time.
+    pub const MIN_PHOTONS: u32 = 16_384;
 }
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Compares the settings that are `open` for `seconds` of passes, and takes the best: afterwards the pipeline renders as if
     /// it had been made with them. The number of paths is not changed: if [`Choice::photons`] differs, a new pipeline has to be
-    /// made. `None`, and nothing changes, if there is nothing to choose: without photon maps whose
-    /// estimates are shown, with final gathering, whose rays would have to be tried too, or after the first pass.
+    /// made, whose preparation takes time from such candidates. `None`, and nothing changes, if there is nothing to choose:
+    /// without photon maps whose estimates are shown, with final gathering, whose rays would have to be tried too, or after
+    /// the first pass.
     ///
     /// Two passes with all photons are rendered for a small part of the pixels, with other random numbers than those of the
     /// passes that count. The differences between the two give the variance; at the same visible points, the product of their
@@ -145,17 +128,8 @@ impl<B: TransportBackend> Pipeline<B> {
         self.recover()?;
         let (candidates, photon_seconds) = result?;
         let now = self.settings.photons;
-        let Some(best) = best_of(&candidates, |candidate| candidate.photons == now) else { return Ok(None) };
-        let other = best_of(&candidates, |candidate| candidate.photons != now);
-        let best = other.filter(|other| other.error < CLEARLY_LESS * best.error).unwrap_or(best);
-        let many = open.bandwidth
-            && seconds > passes_per_pixel(best.area) * best.seconds
-            && best.direct_error < MAX_DIRECT * best.error;
-        let (bandwidth, best) = if many {
-            (Bandwidth::PerPixel, Candidate { radius_factor: 1.0, ..best })
-        } else {
-            (self.settings.bandwidth, best)
-        };
+        let bandwidth = (self.settings.bandwidth, open.bandwidth);
+        let Some((best, bandwidth)) = decide(&candidates, now, seconds, bandwidth) else { return Ok(None) };
         let Candidate { photons, area, radius_factor, .. } = best;
         let choice = Choice { photons, area, radius_factor, bandwidth, candidates, photon_seconds };
         self.take_choice(scene, &choice)?;
@@ -194,7 +168,7 @@ impl<B: TransportBackend> Pipeline<B> {
         (open, derived): (Open, bool),
     ) -> Result<(Vec<Candidate>, f64)> {
         let whole = self.view;
-        let reduced = |length: u32| (length / REDUCTION).max(LEAST).min(length);
+        let reduced = |length: u32| (length / REDUCTION).max(MIN_SIZE).min(length);
         let small = View { width: reduced(whole.width), height: reduced(whole.height), ..whole };
         let areas: &[Area] = match (open.area, self.stages.area.is_some()) {
             (true, _) => &[Area::Surface, Area::Disc],
@@ -218,8 +192,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let [first, second] = both?;
         let pixels = |view: View| f64::from(view.width) * f64::from(view.height);
         let more = pixels(whole) / pixels(small);
-        // The lesser of two times: other programs only add to them.
-        // Until the whole picture is timed, all of this is taken to be proportional to the number of paths.
+        // The lesser of two times: other programs only add to them. Until the whole picture is timed, the time for photons is
+        // taken to be proportional to the number of paths.
         let (mut photons, look) = ([0.0, first.photons.min(second.photons)], first.look.min(second.look));
         let others = first.others(&second);
         let direct = [first.direct, second.direct];
@@ -243,13 +217,18 @@ impl<B: TransportBackend> Pipeline<B> {
         let reference = reference(&trials);
         let mut candidates = Vec::new();
         let now = f64::from(self.settings.photons);
-        let multiples = MULTIPLES.iter().filter(|&&more| more == 1.0 || open.photons && more * now >= MIN_PHOTONS);
+        let multiples = MULTIPLES
+            .iter()
+            .filter(|&&more| more == 1.0 || open.photons && more * now >= f64::from(Choice::MIN_PHOTONS));
         let multiples: Vec<f64> = multiples.copied().collect();
         for &area in areas {
             let of_area: Vec<&Trial> = trials.iter().filter(|trial| trial.area == area).collect();
             let model = Model::new(&of_area, &reference, &direct, &weights, photons, self.settings.alpha);
             for &more in &multiples {
                 let photons = (more * now).min(f64::from(u32::MAX)) as u32;
+                // A new pipeline is prepared, with kernels that are compiled.
+                let preparation = self.setup.total() - self.setup.get(Stage::Compile);
+                let seconds = if more == 1.0 { seconds } else { (seconds - preparation).max(0.0) };
                 candidates.extend(possible.iter().map(|&radius_factor| {
                     let [seconds, error, direct_error] = model.forecast(more, radius_factor, seconds);
                     Candidate { photons, area, radius_factor, seconds, error, direct_error }

@@ -16,7 +16,7 @@ const SHOWN: usize = 16;
 
 /// The settings of a render with `--time`.
 #[derive(Clone, Debug)]
-pub struct Chosen {
+pub struct TimedSettings {
     /// All settings, given and chosen.
     pub settings: Settings,
     /// Paths of a pass that are not aimed.
@@ -31,7 +31,7 @@ pub struct Chosen {
     pub trials: f64,
 }
 
-impl Chosen {
+impl TimedSettings {
     /// Makes the renderer, and chooses what the options leave to the program for the time that remains since `begun`.
     ///
     /// # Errors
@@ -106,11 +106,12 @@ impl Chosen {
                 && (each.radius_factor == choice.radius_factor || choice.bandwidth == Bandwidth::PerPixel)
         };
         let chosen = choice.candidates.iter().find(of_choice);
-        // Error estimates, and paths that are increased for radii of each pixel, make passes longer.
         let passes = chosen.map_or(1.0, |chosen| ((self.seconds - self.trials) / chosen.seconds).max(1.0));
-        let most = if choice.bandwidth == Bandwidth::PerPixel { ", fewer passes than that" } else { "" };
         let mut text = format!("\nchosen by trials of {:.1} s, in place of --time:\n", self.trials);
-        let _ = writeln!(text, "  {} --passes {passes:.0}{most}", self.options());
+        let _ = writeln!(text, "  {} --passes {passes:.0}", self.options());
+        if choice.bandwidth == Bandwidth::PerPixel {
+            let _ = writeln!(text, "error estimates, and more paths, make passes longer: fewer of them may fit");
+        }
         let _ =
             writeln!(text, "\nforecasts of the relative error with one radius for each map, and seconds of a pass:");
         for candidate in choice.candidates.iter().take(SHOWN) {

@@ -7,8 +7,8 @@ use photon_core::{Settings, TransportBackend, View};
 use photon_scene::Scene;
 
 use crate::args::ExplainArgs;
-use crate::backend::Chosen as Backend;
-use crate::command::chosen::Chosen;
+use crate::backend::Chosen;
+use crate::command::chosen::TimedSettings;
 use crate::command::render;
 use crate::fault::Fault;
 use crate::{load, memory, stdout};
@@ -17,11 +17,13 @@ use crate::{load, memory, stdout};
 /// chosen for a time if it is given.
 ///
 /// # Errors
-/// As [`load::scene`], and invalid settings; with a time also those of rendering.
+/// As [`load::scene_within`], and invalid settings; with a time also those of rendering.
 pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
     let mut settings = args.settings.settings()?;
     let begun = Instant::now();
-    let (scene, _) = load::scene(&args.scene)?;
+    let size = args.settings.picture.size;
+    let limit = args.machine.memory.map(|cap| move || memory::for_loading(cap, size));
+    let (scene, _) = load::scene_within(&args.scene, limit.as_ref().map(|limit| limit as &dyn Fn() -> u64))?;
     // A camera that does not exist is an error here too.
     let view = args.settings.picture.view(&scene)?;
     let mut choice = String::new();
@@ -66,7 +68,7 @@ fn trials(
     scene: &Scene,
     view: View,
     settings: Settings,
-) -> Result<Chosen, Fault> {
+) -> Result<TimedSettings, Fault> {
     if args.machine.several() {
         return Err(Fault::input("--device: settings for a time are chosen on a single device; give one"));
     }
@@ -74,12 +76,12 @@ fn trials(
     let (opened, _) = render::open(&args.machine)?;
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, size));
     let chosen = match opened.report() {
-        Backend::Cpu(on) => {
+        Chosen::Cpu(on) => {
             // It shares the texels, which are resident, with the scene.
             let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
             choose(on, (args, begun), (scene, view), Settings { memory, ..settings })
         }
-        Backend::Vulkan(on) => choose(*on, (args, begun), (scene, view), Settings { memory, ..settings }),
+        Chosen::Vulkan(on) => choose(*on, (args, begun), (scene, view), Settings { memory, ..settings }),
     };
     chosen.map_err(|fault| fault.within(args.machine.memory, memory::besides(size)))
 }
@@ -89,6 +91,6 @@ fn choose<B: TransportBackend>(
     (args, begun): (&ExplainArgs, Instant),
     (scene, view): (&Scene, View),
     settings: Settings,
-) -> Result<Chosen, Fault> {
-    Chosen::pipeline(on, (&args.settings, begun), (scene, view), settings).map(|(_, chosen)| chosen)
+) -> Result<TimedSettings, Fault> {
+    TimedSettings::pipeline(on, (&args.settings, begun), (scene, view), settings).map(|(_, chosen)| chosen)
 }

@@ -2,8 +2,8 @@
 #![expect(clippy::print_stderr, reason = "the choice goes to standard error")]
 
 use photon_core::{
-    Area, Bandwidth, Budget, CausticPhotons, Direct, Estimator, Features, Film, Pipeline, Settings, TransportBackend,
-    render,
+    Area, Bandwidth, Budget, CausticPhotons, Choice, Direct, Estimator, Features, Film, Pipeline, Settings,
+    TransportBackend, render,
 };
 use photon_scene::Scene;
 
@@ -20,16 +20,13 @@ const LITTLE: f64 = 0.1;
 /// The paths of a pass are divided by this.
 const FEWER: u32 = 8;
 
-/// Fewer paths than this take hardly less time.
-const LEAST: u32 = 16_384;
-
 /// Width of the picture in which the share is measured, its paths, and its passes.
 const WIDTH: u32 = 64;
 const PATHS: u32 = 16_384;
 const PASSES: u32 = 2;
 
-/// The settings for this scene: with `--time`, error estimates (without them, trials choose), an environment, and neither `--photons` nor `--area`, a small picture tells
-/// which share of the light photons bring. If it is little, paths are fewer, and areas may be those of discs, so that the time
+/// The settings for this scene: with `--time`, an environment, error estimates (without them, trials choose), and neither
+/// `--photons` nor `--area`, a small picture tells which share of the light photons bring. If it is little, paths are fewer, and areas may be those of discs, so that the time
 /// is spent on camera paths and shadow rays. The choice depends on scene and settings alone.
 ///
 /// # Errors
@@ -46,7 +43,7 @@ pub(super) fn choose<B: TransportBackend>(
     let is_derived =
         matches!(settings.estimator, Estimator::Radius { radius: None }) && settings.irradiance_every.is_none();
     let is_left_to_us = is_derived && !is_given && args.is_timed() && !timed::is_chosen(args);
-    if !is_open || !is_left_to_us || settings.photons / FEWER < LEAST {
+    if !is_open || !is_left_to_us || settings.photons / FEWER < Choice::MIN_PHOTONS {
         return Ok((on, settings));
     }
     let mut picture = args.picture.clone();

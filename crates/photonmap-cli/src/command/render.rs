@@ -11,7 +11,7 @@ use photon_scene::{CompressedTree, LoadReport, Scene};
 
 use crate::args::{MachineArgs, RenderArgs};
 use crate::backend::{self, Chosen, Opened};
-use crate::command::chosen::Chosen as ChosenForTime;
+use crate::command::chosen::TimedSettings;
 use crate::command::picture::{self, Look, Shown};
 use crate::command::{render_blocks, render_film, render_passes};
 use crate::denoise::Denoiser;
@@ -186,7 +186,7 @@ pub(super) fn open(machine: &MachineArgs) -> Result<(Opened, f64), Fault> {
 struct Started {
     device: f64,
     /// With `--time`.
-    chosen: Option<ChosenForTime>,
+    chosen: Option<TimedSettings>,
 }
 
 /// The output files, checked before anything is rendered.
@@ -307,9 +307,9 @@ fn chosen_pipeline<B: TransportBackend>(
     view: View,
     memory: Option<u64>,
     settings: &mut Settings,
-) -> Result<(Box<dyn Render>, Option<ChosenForTime>), Fault> {
+) -> Result<(Box<dyn Render>, Option<TimedSettings>), Fault> {
     let within = Settings { memory, ..settings.clone() };
-    let (renderer, chosen) = ChosenForTime::pipeline(on, (&args.settings, begun), (scene, view), within)?;
+    let (renderer, chosen) = TimedSettings::pipeline(on, (&args.settings, begun), (scene, view), within)?;
     if let Some(line) = chosen.line() {
         eprintln!("{line}");
     }
@@ -350,9 +350,9 @@ fn save(
         ("photon:backend", facts.backend.to_owned()),
         ("photon:device", details.device.to_owned()),
         ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
-        ("photon:chosen", details.chosen.map_or(String::new(), |chosen| chosen.with_passes(passes))),
         ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
     ];
+    attributes.extend(details.chosen.map(|chosen| ("photon:chosen", chosen.with_passes(passes))));
     attributes.extend(details.environment.map(|text| ("photon:environment", text.to_owned())));
     let attributes: Vec<(String, String)> =
         attributes.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();

@@ -18,11 +18,8 @@ pub(super) fn fewer_paths(args: &SettingsArgs, settings: Settings) -> Settings {
     if args.photon.photons.is_some() || !is_derived || !from_maps || !is_chosen(args) {
         return settings;
     }
-    Settings { photons: (settings.photons / 2).max(LEAST.min(settings.photons)), ..settings }
+    Settings { photons: (settings.photons / 2).max(Choice::MIN_PHOTONS.min(settings.photons)), ..settings }
 }
-
-/// Fewer paths than this take hardly less time.
-const LEAST: u32 = 16_384;
 
 /// Whether settings are chosen by trials: with `--time` and nothing else that determines its use. Error
 /// estimates are wanted with the settings that are best for them.

@@ -26,7 +26,7 @@ fn rows(parts: &[Part]) -> Vec<(&str, &AskedRow)> {
 /// Predictions and results; times as `render --time` uses them.
 pub(crate) fn asked(parts: &[Part]) -> String {
     let mut text = String::from(
-        "\n### Error and time budgets\n\nAn error target for 95 % of the pixels that have an interval, within 20 s; or a time budget, as `--time` spends it.\n*Reached* is the estimated error. *Covered* is left out where the reference has fewer than 27 times the photons of\nthe run, at which its error is a third of the run's.\n",
+        "\n### Error and time budgets\n\nAn error target for 95 % of the pixels that have an interval, within 20 s; or a time budget, as `--time --errors` spends it.\n*Reached* is the estimated error. *Covered* is left out where the reference has fewer than 27 times the photons of\nthe run, at which its error is a third of the run's.\n",
     );
     let columns = ["scene", "asked", "backend", "predicted", "took", "reached", "claimed", "covered", "relMSE"];
     text += &head(&columns.map(str::to_owned), 5);

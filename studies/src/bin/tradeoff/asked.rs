@@ -13,7 +13,7 @@ use crate::truth::Truth;
 /// Seconds after which an error target is given up.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// How `render --time` uses the time.
+/// How `render --time --errors` uses the time.
 pub(crate) const DEFAULT_WAY: &str = "surface, radii per pixel";
 
 /// A target, in words and as a plan; the way in which a time budget is used, and the settings.

@@ -84,7 +84,7 @@ pub use shading::environment::EnvironmentSample;
 pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::layers::Layers;
-pub use shading::reflection_lobe::ReflectionLobe;
+pub use shading::reflection_lobe::{ReflectionLobe, Vectors};
 pub use shading::rough_glass::{RoughGlass, RoughSample};
 pub use shading::rough_glass_table::RoughGlassTable;
 pub use shading::scattering::{Scattering, Vertex};

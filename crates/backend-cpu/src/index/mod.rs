@@ -28,8 +28,10 @@ pub use photon_core::IndexKind;
 pub use workspace::Workspace;
 
 use dispatch::Isa;
+pub(crate) use layout::WIDTH;
 use layout::{Block, Extra, Node, Tree};
 use points::Item;
+pub(crate) use range::Batches;
 use rayon::prelude::*;
 
 /// Why an index could not be built.
@@ -188,6 +190,12 @@ impl PointIndex {
     #[inline]
     pub fn fold_within<T>(&self, query: [f32; 3], r2: f32, state: T, fold: impl FnMut(T, u32, f32) -> T) -> T {
         self.isa.run(range::Within { tree: &self.tree, query, r2, state, fold })
+    }
+
+    /// As [`Self::within`], up to sixteen points at a time.
+    #[inline]
+    pub(crate) fn batches_within(&self, query: [f32; 3], r2: f32, batches: &mut impl Batches) {
+        self.isa.run(range::WithinBatches { tree: &self.tree, query, r2, batches });
     }
 
     /// The number of points that [`Self::within`] would visit.

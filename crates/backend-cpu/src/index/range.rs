@@ -82,6 +82,50 @@ impl<T, F: FnMut(T, u32, f32) -> T> IndexSearch for Within<'_, T, F> {
     }
 }
 
+/// What is done with the points within a radius, up to sixteen at a time.
+pub(crate) trait Batches {
+    /// Whether a point counts.
+    fn accepts(&self, slot: u32) -> bool;
+
+    /// Takes the first `count` of these points; the others are valid too, but do not count. Has to be `#[inline(always)]`, to
+    /// be compiled for the instruction set of the search.
+    fn take(&mut self, slots: &[u32; WIDTH], d2: &Distances, count: usize);
+}
+
+/// Passes every point within `r2` that is accepted to `batches`, in the order of [`Within`].
+pub(crate) struct WithinBatches<'a, B> {
+    pub(crate) tree: &'a Tree,
+    pub(crate) query: [f32; 3],
+    pub(crate) r2: f32,
+    pub(crate) batches: &'a mut B,
+}
+
+impl<B: Batches> IndexSearch for WithinBatches<'_, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let (mut slots, mut distances, mut count) = ([0; WIDTH], [0.0; WIDTH], 0);
+        blocks_within(lanes, self.tree, self.query, self.r2, |block, mut hits, d2| {
+            while hits != 0 {
+                let lane = hits.trailing_zeros();
+                hits &= hits - 1;
+                let slot = block * WIDTH as u32 + lane;
+                (slots[count], distances[count]) = (slot, d2[lane as usize % WIDTH]);
+                count += usize::from(self.batches.accepts(slot));
+                if count == WIDTH {
+                    self.batches.take(&slots, &distances, count);
+                    count = 0;
+                }
+            }
+            true
+        });
+        if count > 0 {
+            self.batches.take(&slots, &distances, count);
+        }
+    }
+}
+
 /// Counts the points within `r2`. Subtrees that lie entirely inside are not traversed.
 pub(crate) struct Count<'a> {
     pub(crate) tree: &'a Tree,

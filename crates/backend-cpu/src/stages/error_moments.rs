@@ -7,6 +7,7 @@ use photon_core::{ErrorMoments, Estimate, EstimateParams, PhotonMoments, samplin
 use crate::map::power::Power;
 use crate::map::{CpuMap, Powers};
 use crate::stages::estimate::{PowerFactor, Sum, VisiblePoint};
+use crate::stages::photon_powers::{PhotonPowers, Reflected, Shaded, Stored};
 
 /// The estimate of `Search::Radius`, identical to the bit, and the error moments of the photons within √2 times the
 /// radius.
@@ -15,37 +16,32 @@ pub(crate) fn estimate_with_moments_at(
     point: VisiblePoint,
     gather: &EstimateParams,
 ) -> (Estimate, ErrorMoments) {
-    fn either<P: Power>(
+    fn either<P: PhotonPowers>(
         map: &CpuMap,
-        power: impl Fn(u32) -> P,
+        powers: P,
         point: VisiblePoint,
         gather: &EstimateParams,
     ) -> (Estimate, ErrorMoments) {
         match gather.is_flat() {
-            false => estimate_with_moments_of::<false, _>(map, power, point, gather),
-            true => estimate_with_moments_of::<true, _>(map, power, point, gather),
+            false => estimate_with_moments_of::<false, _>(map, powers, point, gather),
+            true => estimate_with_moments_of::<true, _>(map, powers, point, gather),
         }
     }
     match (map.powers(), point.factor) {
-        (Powers::Grey(powers), _) => either(map, |slot| powers[slot as usize], point, gather),
-        (Powers::Colour(powers), PowerFactor::Even) => either(map, |slot| powers[slot as usize], point, gather),
-        (Powers::Colour(powers), PowerFactor::Shaded(shading)) => {
-            either(map, |slot| powers[slot as usize] * VisiblePoint::ratio(map, shading, slot), point, gather)
-        }
-        (Powers::Colour(powers), PowerFactor::Reflected(lobe)) => {
-            either(map, |slot| powers[slot as usize] * VisiblePoint::reflected(map, &lobe, slot), point, gather)
-        }
-        (Powers::Colour(powers), PowerFactor::Marked(lobe, query)) => {
-            either(map, |slot| powers[slot as usize] * VisiblePoint::marked(map, &lobe, query, slot), point, gather)
+        (Powers::Grey(powers), _) => either(map, Stored(powers), point, gather),
+        (Powers::Colour(powers), PowerFactor::Even) => either(map, Stored(powers), point, gather),
+        (Powers::Colour(powers), PowerFactor::Shaded(shading)) => either(map, Shaded(powers, shading), point, gather),
+        (Powers::Colour(powers), PowerFactor::Reflected { lobe, mark }) => {
+            either(map, Reflected { powers, lobe, mark }, point, gather)
         }
     }
 }
 
 /// As [`estimate_with_moments_at`], for one type of power. If `FLAT`, only photons near the query's plane are used;
 /// the maximum distance from the plane scales with each radius.
-fn estimate_with_moments_of<const FLAT: bool, P: Power>(
+fn estimate_with_moments_of<const FLAT: bool, P: PhotonPowers>(
     map: &CpuMap,
-    power: impl Fn(u32) -> P,
+    powers: P,
     point: VisiblePoint,
     gather: &EstimateParams,
 ) -> (Estimate, ErrorMoments) {
@@ -57,36 +53,42 @@ fn estimate_with_moments_of<const FLAT: bool, P: Power>(
     let wide_squared = 2.0 * radius_squared;
     let reach = 1.0 / (2.0 * sum.radius_squared).sqrt();
     let (tangent, bitangent) = sampling::basis(normal);
-    let state = (sum, Sums::<P::Sum>::default());
-    let (sum, sums) = map.index().fold_within(point.position, wide_squared, state, |(mut sum, mut sums), slot, d2| {
-        let carried = power(slot);
-        let power = f64::from(carried.mean());
-        let off = if FLAT { point.off_plane(map, slot) } else { 0.0 };
-        if map.normal(slot).dot(normal) < gather.min_normal_cosine || (FLAT && off > SQRT_2 * most) {
-            sums.stray += power;
-            return (sum, sums);
-        }
-        let u = d2 * scale;
-        if d2 <= radius_squared && !(FLAT && off > most) {
-            sum = sum.and(carried, gather.kernel.weight(u.min(1.0)));
-            if 2.0 * u <= 1.0 && !(FLAT && off > FRAC_1_SQRT_2 * most) {
-                carried.add(&mut sums.narrow, gather.kernel.weight(2.0 * u));
+    let state = (sum, Sums::<<P::Power as Power>::Sum>::default());
+    let within = (point.position, wide_squared);
+    let (sum, sums) = powers.fold_within(
+        map,
+        within,
+        |_| true,
+        state,
+        |(mut sum, mut sums), slot, d2, carried| {
+            let power = f64::from(carried.mean());
+            let off = if FLAT { point.off_plane(map, slot) } else { 0.0 };
+            if map.normal(slot).dot(normal) < gather.min_normal_cosine || (FLAT && off > SQRT_2 * most) {
+                sums.stray += power;
+                return (sum, sums);
             }
-        }
-        carried.add(&mut sums.wide, gather.kernel.weight((0.5 * u).min(1.0)));
-        let offset = point.to(map, slot) * reach;
-        if offset.dot(normal).abs() > PhotonMoments::OFF_PLANE {
-            sums.stray += power;
-        }
-        let (x, y) = (f64::from(offset.dot(tangent)), f64::from(offset.dot(bitangent)));
-        sums.power += power;
-        sums.power_squared += power * power;
-        sums.slope = [sums.slope[0] + power * x, sums.slope[1] + power * y];
-        sums.quadrupole = [sums.quadrupole[0] + power * (x * x - y * y), sums.quadrupole[1] + power * 2.0 * x * y];
-        sums.photons += 1;
-        (sum, sums)
-    });
-    (sum.finish(), sums.finish(P::rgb))
+            let u = d2 * scale;
+            if d2 <= radius_squared && !(FLAT && off > most) {
+                sum = sum.and(carried, gather.kernel.weight(u.min(1.0)));
+                if 2.0 * u <= 1.0 && !(FLAT && off > FRAC_1_SQRT_2 * most) {
+                    carried.add(&mut sums.narrow, gather.kernel.weight(2.0 * u));
+                }
+            }
+            carried.add(&mut sums.wide, gather.kernel.weight((0.5 * u).min(1.0)));
+            let offset = point.to(map, slot) * reach;
+            if offset.dot(normal).abs() > PhotonMoments::OFF_PLANE {
+                sums.stray += power;
+            }
+            let (x, y) = (f64::from(offset.dot(tangent)), f64::from(offset.dot(bitangent)));
+            sums.power += power;
+            sums.power_squared += power * power;
+            sums.slope = [sums.slope[0] + power * x, sums.slope[1] + power * y];
+            sums.quadrupole = [sums.quadrupole[0] + power * (x * x - y * y), sums.quadrupole[1] + power * 2.0 * x * y];
+            sums.photons += 1;
+            (sum, sums)
+        },
+    );
+    (sum.finish(), sums.finish(P::Power::rgb))
 }
 
 /// [`ErrorMoments`], accumulated in f64.

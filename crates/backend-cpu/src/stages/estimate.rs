@@ -3,7 +3,7 @@
 use photon_core::glam::Vec3;
 use photon_core::{
     ErrorMoments, Estimate, EstimateParams, PhotonFormat, Query, RadianceEstimator, ReflectionLobe, Result, Search,
-    gloss_caustics, neighbour_radius, octahedral, shading_normal,
+    neighbour_radius, octahedral,
 };
 use rayon::prelude::*;
 
@@ -12,6 +12,7 @@ use crate::index::Neighbours;
 use crate::map::power::Power;
 use crate::map::{CpuMap, Powers};
 use crate::stages::error_moments::estimate_with_moments_at;
+use crate::stages::photon_powers::{PhotonPowers, Reflected, Shaded, Stored};
 
 /// Lower bound on the squared radius that an estimate divides by.
 const MIN_RADIUS_SQUARED: f32 = neighbour_radius::MIN_RADIUS * neighbour_radius::MIN_RADIUS;
@@ -133,10 +134,9 @@ pub(crate) enum PowerFactor {
     Even,
     /// Diffuse, with this shading normal.
     Shaded(Vec3),
-    /// The reflection of a glossy surface.
-    Reflected(ReflectionLobe),
-    /// The same, for those photons that count for the query with this word: [`gloss_caustics::counts`].
-    Marked(ReflectionLobe, u32),
+    /// The reflection of a glossy surface; if there is a `mark`, from those photons that count for the query with this word:
+    /// [`photon_core::gloss_caustics::counts`].
+    Reflected { lobe: ReflectionLobe, mark: Option<u32> },
 }
 
 impl PowerFactor {
@@ -150,7 +150,7 @@ impl PowerFactor {
             let (wo, normal) = (octahedral::unpack(query.offset_or_wo), octahedral::unpack(query.shading_normal));
             let anisotropy = if gather.anisotropy { query.path } else { 0 };
             let lobe = ReflectionLobe::with_anisotropy([query.media, query.coat], anisotropy, wo, normal);
-            return if gather.marked { Self::Marked(lobe, query.offset_or_wo) } else { Self::Reflected(lobe) };
+            return Self::Reflected { lobe, mark: gather.marked.then_some(query.offset_or_wo) };
         }
         if gather.shading_normals { Self::Shaded(octahedral::unpack(query.shading_normal)) } else { Self::Even }
     }
@@ -161,30 +161,6 @@ impl VisiblePoint {
         let radius = query.radius * gather.radius_scale;
         let factor = PowerFactor::of(query, gather);
         Self { position: query.position, normal: query.normal.into(), radius, factor }
-    }
-
-    /// Factor on the power of a photon at a point with the shading normal `shading`.
-    #[inline]
-    pub(crate) fn ratio(map: &CpuMap, shading: Vec3, slot: u32) -> f32 {
-        let geometric = map.normal(slot);
-        // The ratio of a number to itself, and a quotient that the length of the direction cancels from.
-        if geometric == shading { 1.0 } else { shading_normal::cosine_ratio(map.toward(slot), geometric, shading) }
-    }
-
-    /// Factor on the power of a photon at a point whose reflection is `lobe`.
-    #[inline]
-    pub(crate) fn reflected(map: &CpuMap, lobe: &ReflectionLobe, slot: u32) -> Vec3 {
-        lobe.weight(map.direction(slot), map.normal(slot))
-    }
-
-    /// The same, where only those photons count that do for the query with the word `query`.
-    #[inline]
-    pub(crate) fn marked(map: &CpuMap, lobe: &ReflectionLobe, query: u32, slot: u32) -> Vec3 {
-        if gloss_caustics::counts(map.packed_direction(slot), query) {
-            Self::reflected(map, lobe, slot)
-        } else {
-            Vec3::ZERO
-        }
     }
 
     /// Vector from the point to a photon.
@@ -208,29 +184,21 @@ pub(crate) fn estimate_at(
     scratch: &mut Neighbours,
 ) -> Estimate {
     match (map.powers(), point.factor) {
-        (Powers::Grey(powers), _) => estimate_of(map, |slot| powers[slot as usize], point, gather, scratch),
-        (Powers::Colour(powers), PowerFactor::Even) => {
-            estimate_of(map, |slot| powers[slot as usize], point, gather, scratch)
-        }
+        (Powers::Grey(powers), _) => estimate_of(map, Stored(powers), point, gather, scratch),
+        (Powers::Colour(powers), PowerFactor::Even) => estimate_of(map, Stored(powers), point, gather, scratch),
         (Powers::Colour(powers), PowerFactor::Shaded(shading)) => {
-            let power = |slot| powers[slot as usize] * VisiblePoint::ratio(map, shading, slot);
-            estimate_of(map, power, point, gather, scratch)
+            estimate_of(map, Shaded(powers, shading), point, gather, scratch)
         }
-        (Powers::Colour(powers), PowerFactor::Reflected(lobe)) => {
-            let power = |slot| powers[slot as usize] * VisiblePoint::reflected(map, &lobe, slot);
-            estimate_of(map, power, point, gather, scratch)
-        }
-        (Powers::Colour(powers), PowerFactor::Marked(lobe, query)) => {
-            let power = |slot| powers[slot as usize] * VisiblePoint::marked(map, &lobe, query, slot);
-            estimate_of(map, power, point, gather, scratch)
+        (Powers::Colour(powers), PowerFactor::Reflected { lobe, mark }) => {
+            estimate_of(map, Reflected { powers, lobe, mark }, point, gather, scratch)
         }
     }
 }
 
 /// As [`estimate_at`], for photons of this power.
-fn estimate_of<P: Power>(
+fn estimate_of<P: PhotonPowers>(
     map: &CpuMap,
-    power: impl Fn(u32) -> P,
+    powers: P,
     point: VisiblePoint,
     gather: &EstimateParams,
     scratch: &mut Neighbours,
@@ -239,8 +207,8 @@ fn estimate_of<P: Power>(
     let radius_squared = radius * radius;
     let accept = |slot: u32| map.normal(slot).dot(normal) >= gather.min_normal_cosine;
     match gather.search {
-        Search::Radius if gather.is_flat() => within::<true, P>(map, power, point, gather),
-        Search::Radius => within::<false, P>(map, power, point, gather),
+        Search::Radius if gather.is_flat() => within::<true, P>(map, powers, point, gather),
+        Search::Radius => within::<false, P>(map, powers, point, gather),
         Search::KNearest { k } => {
             map.index().nearest(position, k as usize, radius_squared, accept, scratch);
             let nearest = scratch.as_slice();
@@ -254,7 +222,7 @@ fn estimate_of<P: Power>(
             let scale = 1.0 / sum.radius_squared;
             for neighbour in kept {
                 let weight = gather.kernel.weight((neighbour.d2 * scale).min(1.0));
-                sum = sum.and(power(neighbour.slot), weight);
+                sum = sum.and(powers.of(map, neighbour.slot), weight);
             }
             sum.photons = nearest.len() as u32;
             sum.finish()
@@ -262,8 +230,8 @@ fn estimate_of<P: Power>(
         Search::NearestPhoton => {
             map.index().nearest(position, 1, radius_squared, accept, scratch);
             match scratch.as_slice() {
-                [] => Sum::<P>::new(radius_squared).finish(),
-                [nearest, ..] => Sum::new(nearest.d2).and(power(nearest.slot), 1.0).finish(),
+                [] => Sum::<P::Power>::new(radius_squared).finish(),
+                [nearest, ..] => Sum::new(nearest.d2).and(powers.of(map, nearest.slot), 1.0).finish(),
             }
         }
         Search::Paper { max, threshold, factor } => {
@@ -271,7 +239,7 @@ fn estimate_of<P: Power>(
             map.index().nearest(position, max as usize, radius_squared, |slot| cosine(slot) > 0.0, scratch);
             let nearest = scratch.as_slice();
             if nearest.len() < threshold as usize {
-                return Sum::<P>::new(radius_squared).finish();
+                return Sum::<P::Power>::new(radius_squared).finish();
             }
             let reach = match nearest.last() {
                 Some(last) if nearest.len() == max as usize => last.d2,
@@ -279,7 +247,7 @@ fn estimate_of<P: Power>(
             };
             let mut sum = Sum::new(reach);
             for neighbour in nearest {
-                sum = sum.and(power(neighbour.slot), cosine(neighbour.slot) * factor);
+                sum = sum.and(powers.of(map, neighbour.slot), cosine(neighbour.slot) * factor);
             }
             sum.finish()
         }
@@ -287,9 +255,9 @@ fn estimate_of<P: Power>(
 }
 
 /// The estimate from all photons within the radius; if `FLAT`, only from those near the query's plane.
-fn within<const FLAT: bool, P: Power>(
+fn within<const FLAT: bool, P: PhotonPowers>(
     map: &CpuMap,
-    power: impl Fn(u32) -> P,
+    powers: P,
     point: VisiblePoint,
     gather: &EstimateParams,
 ) -> Estimate {
@@ -297,13 +265,11 @@ fn within<const FLAT: bool, P: Power>(
     let most = gather.max_plane_distance * point.radius;
     let sum = Sum::new(radius_squared);
     let scale = 1.0 / sum.radius_squared;
-    let sum = map.index().fold_within(point.position, radius_squared, sum, |sum, slot, d2| {
-        let same = map.normal(slot).dot(point.normal) >= gather.min_normal_cosine;
-        if !same || (FLAT && point.off_plane(map, slot) > most) {
-            return sum;
-        }
-        let weight = gather.kernel.weight((d2 * scale).min(1.0));
-        sum.and(power(slot), weight)
+    let accept = |slot: u32| {
+        map.normal(slot).dot(point.normal) >= gather.min_normal_cosine && !(FLAT && point.off_plane(map, slot) > most)
+    };
+    let sum = powers.fold_within(map, (point.position, radius_squared), accept, sum, |sum, _slot, d2, power| {
+        sum.and(power, gather.kernel.weight((d2 * scale).min(1.0)))
     });
     sum.finish()
 }

@@ -53,6 +53,12 @@ impl AlbedoTable {
         directional_of(&self.entries, cosine, roughness)
     }
 
+    /// The table at one roughness in `[0, 1]`, to be read at several cosines.
+    #[inline(always)]
+    pub(crate) fn row(&self, roughness: f32) -> Row<'_> {
+        row_of(&self.entries, roughness)
+    }
+
     /// A and B averaged over the hemisphere, weighted by the cosine.
     #[inline]
     #[must_use]
@@ -92,17 +98,37 @@ pub(crate) fn tabulate(albedos_of: impl Fn(f32, f32) -> [f64; 2]) -> Vec<[f32; 2
     entries
 }
 
+/// A table of two albedos between two rows.
+pub(crate) struct Row<'a> {
+    /// The entries of both rows.
+    entries: &'a [[f32; 2]; 2 * SIZE],
+    /// Position between the rows.
+    down: f32,
+}
+
+impl Row<'_> {
+    /// Both albedos for directions with this cosine, in `[0, 1]`.
+    #[inline(always)]
+    pub(crate) fn directional(&self, cosine: f32) -> Vec2 {
+        let (column, across) = place(cosine.sqrt());
+        let at = |first: usize| mix(self.entries[first], self.entries[first + 1], across);
+        at(column) * (1.0 - self.down) + at(SIZE + column) * self.down
+    }
+}
+
+/// A table at a roughness in `[0, 1]`.
+#[inline(always)]
+fn row_of(entries: &[[f32; 2]], roughness: f32) -> Row<'_> {
+    let (row, down) = place(roughness);
+    let entries =
+        entries[row * SIZE..].first_chunk().expect("`place` leaves a row below, and means follow the last one");
+    Row { entries, down }
+}
+
 /// Both albedos of a table for directions with this cosine, in `[0, 1]`, at a roughness in `[0, 1]`.
 #[inline]
 pub(crate) fn directional_of(entries: &[[f32; 2]], cosine: f32, roughness: f32) -> Vec2 {
-    let (column, across) = place(cosine.sqrt());
-    let (row, down) = place(roughness);
-    let at = |row: usize| {
-        let first = row * SIZE + column;
-        mix(entries[first], entries[first + 1], across)
-    };
-    let (upper, lower) = (at(row), at(row + 1));
-    upper * (1.0 - down) + lower * down
+    row_of(entries, roughness).directional(cosine)
 }
 
 /// Both means of a table.

@@ -8,6 +8,8 @@
 //! Anisotropy is in a third word, [`crate::anisotropy::pack`]. The words of a sheen are marked as such; its colour is in the
 //! throughput of the query.
 
+mod several;
+
 use glam::Vec3;
 
 use crate::scene::material::Material;
@@ -17,6 +19,8 @@ use crate::shading::glossy::multiple_scattering;
 use crate::shading::layers::Layers;
 use crate::shading::sheen_lobe::Charlie;
 use crate::shading::{clearcoat, ggx, sampling, shading_normal, sheen};
+
+pub use several::Vectors;
 
 /// The reflection of a glossy surface towards one direction.
 #[derive(Clone, Copy, Debug)]

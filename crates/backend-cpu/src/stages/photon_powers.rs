@@ -1,0 +1,142 @@
+//! The powers of the photons near a point, as its estimate sums them.
+
+use photon_core::glam::Vec3;
+use photon_core::{ReflectionLobe, Vectors, gloss_caustics, octahedral, shading_normal};
+
+use crate::index::{Batches, WIDTH};
+use crate::map::CpuMap;
+use crate::map::power::Power;
+
+/// Powers of photons, times what the surface at a point makes of them.
+pub(crate) trait PhotonPowers {
+    type Power: Power;
+
+    /// That of the photon in `slot`.
+    fn of(&self, map: &CpuMap, slot: u32) -> Self::Power;
+
+    /// Folds slot, squared distance and power of each photon within the squared radius `r2` of `position` that is accepted
+    /// into `state`.
+    #[inline]
+    fn fold_within<T>(
+        &self,
+        map: &CpuMap,
+        (position, r2): ([f32; 3], f32),
+        accept: impl Fn(u32) -> bool,
+        state: T,
+        mut fold: impl FnMut(T, u32, f32, Self::Power) -> T,
+    ) -> T {
+        map.index().fold_within(position, r2, state, |state, slot, d2| {
+            if accept(slot) { fold(state, slot, d2, self.of(map, slot)) } else { state }
+        })
+    }
+}
+
+/// The stored powers: diffuse, without shading normals.
+pub(crate) struct Stored<'a, P>(pub(crate) &'a [P]);
+
+impl<P: Power> PhotonPowers for Stored<'_, P> {
+    type Power = P;
+
+    #[inline]
+    fn of(&self, _map: &CpuMap, slot: u32) -> P {
+        self.0[slot as usize]
+    }
+}
+
+/// Diffuse, with this shading normal.
+pub(crate) struct Shaded<'a>(pub(crate) &'a [Vec3], pub(crate) Vec3);
+
+impl PhotonPowers for Shaded<'_> {
+    type Power = Vec3;
+
+    #[inline]
+    fn of(&self, map: &CpuMap, slot: u32) -> Vec3 {
+        let (Self(powers, shading), geometric) = (self, map.normal(slot));
+        // The ratio of a number to itself, and a quotient that the length of the direction cancels from.
+        let ratio = match geometric == *shading {
+            true => 1.0,
+            false => shading_normal::cosine_ratio(map.toward(slot), geometric, *shading),
+        };
+        powers[slot as usize] * ratio
+    }
+}
+
+/// The reflection of a glossy surface.
+pub(crate) struct Reflected<'a> {
+    pub(crate) powers: &'a [Vec3],
+    pub(crate) lobe: ReflectionLobe,
+    /// Only those photons count that do for the query with this word: [`gloss_caustics::counts`].
+    pub(crate) mark: Option<u32>,
+}
+
+impl Reflected<'_> {
+    #[inline(always)]
+    fn counts(&self, direction: u32) -> bool {
+        self.mark.is_none_or(|query| gloss_caustics::counts(direction, query))
+    }
+}
+
+impl PhotonPowers for Reflected<'_> {
+    type Power = Vec3;
+
+    #[inline]
+    fn of(&self, map: &CpuMap, slot: u32) -> Vec3 {
+        match self.counts(map.packed_direction(slot)) {
+            true => self.powers[slot as usize] * self.lobe.weight(map.direction(slot), map.normal(slot)),
+            false => Vec3::ZERO,
+        }
+    }
+
+    /// The reflection is evaluated for sixteen photons at a time.
+    fn fold_within<T>(
+        &self,
+        map: &CpuMap,
+        (position, r2): ([f32; 3], f32),
+        accept: impl Fn(u32) -> bool,
+        state: T,
+        fold: impl FnMut(T, u32, f32, Vec3) -> T,
+    ) -> T {
+        let mut batches = ReflectedBatches { reflected: self, map, accept, state: Some(state), fold };
+        map.index().batches_within(position, r2, &mut batches);
+        batches.state.expect("the state is put back after every photon")
+    }
+}
+
+struct ReflectedBatches<'a, T, A, F> {
+    reflected: &'a Reflected<'a>,
+    map: &'a CpuMap,
+    accept: A,
+    state: Option<T>,
+    fold: F,
+}
+
+impl<T, A: Fn(u32) -> bool, F: FnMut(T, u32, f32, Vec3) -> T> Batches for ReflectedBatches<'_, T, A, F> {
+    #[inline(always)]
+    fn accepts(&self, slot: u32) -> bool {
+        (self.accept)(slot)
+    }
+
+    #[inline(always)]
+    fn take(&mut self, slots: &[u32; WIDTH], d2: &[f32; WIDTH], count: usize) {
+        let mut packed = [0; WIDTH];
+        let (mut toward, mut normals): (Vectors<WIDTH>, Vectors<WIDTH>) = Default::default();
+        for lane in 0..WIDTH {
+            packed[lane] = self.map.packed_direction(slots[lane]);
+            let normal = self.map.normal(slots[lane]);
+            (0..3).for_each(|c| normals[c][lane] = normal[c]);
+        }
+        for lane in 0..WIDTH {
+            let direction = octahedral::unpack(packed[lane]);
+            (0..3).for_each(|c| toward[c][lane] = direction[c]);
+        }
+        let weights = self.reflected.lobe.weights(&toward, &normals);
+        for lane in 0..count {
+            let slot = slots[lane];
+            let power = match self.reflected.counts(packed[lane]) {
+                true => self.reflected.powers[slot as usize] * Vec3::from_array(weights.map(|weight| weight[lane])),
+                false => Vec3::ZERO,
+            };
+            self.state = self.state.take().map(|state| (self.fold)(state, slot, d2[lane], power));
+        }
+    }
+}

@@ -130,13 +130,16 @@ impl<T, A: Fn(u32) -> bool, F: FnMut(T, u32, f32, Vec3) -> T> Batches for Reflec
             (0..3).for_each(|c| toward[c][lane] = direction[c]);
         }
         let weights = self.reflected.lobe.weights(&toward, &normals);
+        // The state is moved out for all of them, so that it stays in registers.
+        let Some(mut state) = self.state.take() else { return };
         for lane in 0..count {
             let slot = slots[lane];
             let power = match self.reflected.counts(packed[lane]) {
                 true => self.reflected.powers[slot as usize] * Vec3::from_array(weights.map(|weight| weight[lane])),
                 false => Vec3::ZERO,
             };
-            self.state = self.state.take().map(|state| (self.fold)(state, slot, d2[lane], power));
+            state = (self.fold)(state, slot, d2[lane], power);
         }
+        self.state = Some(state);
     }
 }

@@ -6,8 +6,8 @@ use photon_scene::Scene;
 use crate::harness::{TestBackend, renderer};
 
 const SIZE: u32 = 24;
-const ALL: Open = Open { photons: false, area: true, radius_factor: true, bandwidth: true };
-const NONE: Open = Open { photons: false, area: false, radius_factor: false, bandwidth: false };
+const ALL: Open = Open { photons: false, area: true, radius_factor: true, bandwidth: true, gather_rays: true };
+const NONE: Open = Open { photons: false, area: false, radius_factor: false, bandwidth: false, gather_rays: false };
 
 fn scene() -> Scene {
     photon_scene::builtin("cornell-glass").unwrap().build().unwrap()

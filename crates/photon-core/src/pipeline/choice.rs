@@ -11,9 +11,9 @@ use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::radii;
 use crate::scene::SceneView;
-use crate::settings::{Area, Bandwidth, CausticPhotons, Estimator, Indirect};
+use crate::settings::{Area, Bandwidth, CausticPhotons, Estimator};
 use decide::decide;
-use forecast::{Model, Trial, reference, weights};
+use forecast::{Model, Trial, reference, variance, weights, with_gather_rays};
 
 /// What a setting of the estimates is expected to give.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,12 +25,14 @@ pub struct Candidate {
     pub area: Area,
     /// [`crate::Settings::radius_factor`].
     pub radius_factor: f64,
+    /// [`crate::Settings::gather_rays`]; `None` without final gathering.
+    pub gather_rays: Option<u32>,
     /// Seconds of a pass.
     pub seconds: f64,
     /// Squared relative error after the given time: the mean over pixels of the squared error, divided by the squared radiance
     /// and a hundredth of the squared mean radiance.
     pub error: f64,
-    /// The part of `error` that is not by photons: noise of direct light and of camera paths.
+    /// The part of `error` that is not by photons at visible points: noise of direct light, camera paths and gather rays.
     pub direct_error: f64,
 }
 
@@ -46,6 +48,8 @@ pub struct Choice {
     pub radius_factor: f64,
     /// [`crate::Settings::bandwidth`].
     pub bandwidth: Bandwidth,
+    /// [`crate::Settings::gather_rays`]; `None` without final gathering.
+    pub gather_rays: Option<u32>,
     /// All that were compared, by increasing error, with one radius for each map.
     pub candidates: Vec<Candidate>,
     /// Seconds of a pass that are proportional to the number of paths, until photon maps are built.
@@ -56,14 +60,18 @@ pub struct Choice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 // Exhaustive: a caller decides about each.
 pub struct Open {
-    /// [`crate::Settings::photons`], if radii are derived and shared, without a limit on memory and a given number of aimed paths.
+    /// [`crate::Settings::photons`], if radii are derived and shared, without a limit on memory, a given number of aimed paths and
+    /// final gathering.
     pub photons: bool,
-    /// [`crate::Settings::area`], if the settings have [`Area::Surface`].
+    /// [`crate::Settings::area`], if the settings have [`Area::Surface`], without final gathering.
     pub area: bool,
-    /// [`crate::Settings::radius_factor`], if it is 1 and radii are derived and shared.
+    /// [`crate::Settings::radius_factor`], if it is 1 and radii are derived and shared, without final gathering.
     pub radius_factor: bool,
-    /// [`crate::Settings::bandwidth`], if it is [`Bandwidth::Shared`] and radii are derived without a limit on memory.
+    /// [`crate::Settings::bandwidth`], if it is [`Bandwidth::Shared`] and radii are derived without a limit on memory and
+    /// without final gathering.
     pub bandwidth: bool,
+    /// [`crate::Settings::gather_rays`], with final gathering.
+    pub gather_rays: bool,
 }
 
 /// Pictures of trials have this fraction of the width and of the height.
@@ -80,6 +88,13 @@ const TIMED_PART: f64 = 0.1;
 const TRIED: [f64; 3] = [0.7, 1.4, 2.0];
 const POSSIBLE: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 
+/// Numbers of gather rays that are tried, and those that may be chosen.
+const TRIED_RAYS: [u32; 2] = [1, 4];
+const POSSIBLE_RAYS: [u32; 3] = [1, 4, 16];
+
+/// [`TIMED_PART`] with final gathering, which takes more of it.
+const TIMED_PART_OF_RAYS: f64 = 0.01;
+
 /// Multiples of the number of paths that may be chosen.
 const MULTIPLES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
 
@@ -92,8 +107,9 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Compares the settings that are `open` for `seconds` of passes, and takes the best: afterwards the pipeline renders as if
     /// it had been made with them. The number of paths is not changed: if [`Choice::photons`] differs, a new pipeline has to be
     /// made, whose preparation takes time from such candidates. `None`, and nothing changes, if there is nothing to choose:
-    /// without photon maps whose estimates are shown, with final gathering, whose rays would have to be tried too, or after
-    /// the first pass.
+    /// without photon maps whose estimates are shown, or after the first pass. With final gathering only the number of its rays
+    /// is chosen; whether there is final gathering is a matter of other stages. The bias of what its rays find in maps is not
+    /// counted.
     ///
     /// Two passes with all photons are rendered for a small part of the pixels, with other random numbers than those of the
     /// passes that count. The differences between the two give the variance; at the same visible points, the product of their
@@ -107,18 +123,21 @@ impl<B: TransportBackend> Pipeline<B> {
         let derived = matches!(self.settings.estimator, Estimator::Radius { radius: None })
             && self.settings.irradiance_every.is_none();
         // With a fixed number of aimed paths, more of the others do not make the discs of caustics smaller.
+        let gathers = self.stages.gather.is_some();
         let is_aimed = matches!(self.settings.caustic_photons, CausticPhotons::Aimed(_));
         let open = Open {
-            photons: open.photons && derived && self.cap.is_none() && self.bandwidth.is_none() && !is_aimed,
-            area: open.area && self.stages.area.is_some(),
+            photons: open.photons && !gathers && derived && self.cap.is_none() && self.bandwidth.is_none() && !is_aimed,
+            area: open.area && !gathers && self.stages.area.is_some(),
             radius_factor: open.radius_factor
+                && !gathers
                 && derived
                 && self.settings.radius_factor == 1.0
                 && self.bandwidth.is_none(),
-            bandwidth: open.bandwidth && derived && self.bandwidth.is_none() && self.cap.is_none(),
+            bandwidth: open.bandwidth && !gathers && derived && self.bandwidth.is_none() && self.cap.is_none(),
+            gather_rays: open.gather_rays && gathers,
         };
-        let nothing = !(open.photons || open.area || open.radius_factor || open.bandwidth);
-        if nothing || !shown || self.settings.indirect == Indirect::Gather || self.passes > 0 {
+        let something = open.photons || open.area || open.radius_factor || open.bandwidth;
+        if !(something && shown || open.gather_rays) || self.passes > 0 {
             return Ok(None);
         }
         let (whole, seed) = (self.view, self.settings.seed);
@@ -130,8 +149,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let now = self.settings.photons;
         let bandwidth = (self.settings.bandwidth, open.bandwidth);
         let Some((best, bandwidth)) = decide(&candidates, now, seconds, bandwidth) else { return Ok(None) };
-        let Candidate { photons, area, radius_factor, .. } = best;
-        let choice = Choice { photons, area, radius_factor, bandwidth, candidates, photon_seconds };
+        let Candidate { photons, area, radius_factor, gather_rays, .. } = best;
+        let choice = Choice { photons, area, radius_factor, bandwidth, gather_rays, candidates, photon_seconds };
         self.take_choice(scene, &choice)?;
         Ok(Some(choice))
     }
@@ -141,6 +160,7 @@ impl<B: TransportBackend> Pipeline<B> {
             self.stages.area = None;
         }
         self.settings.area = choice.area;
+        self.settings.gather_rays = choice.gather_rays.unwrap_or(self.settings.gather_rays);
         if choice.radius_factor != 1.0 {
             self.settings.radius_factor *= choice.radius_factor;
             for slot in &mut self.maps {
@@ -180,13 +200,15 @@ impl<B: TransportBackend> Pipeline<B> {
         let possible: &[f64] = if open.radius_factor { &POSSIBLE } else { &[1.0] };
         let settings: Vec<(Area, f64)> =
             areas.iter().flat_map(|&area| tried.iter().map(move |&factor| (area, factor))).collect();
+        let (rays, timed_part): (&[u32], f64) =
+            if open.gather_rays { (&TRIED_RAYS, TIMED_PART_OF_RAYS) } else { (&[], TIMED_PART) };
         let mut film = self.on.film(scene, small.width, small.height)?;
         if self.settings.errors {
             self.on.keep_errors(&mut film)?;
         }
         std::mem::swap(&mut self.film, &mut film);
         self.view = small;
-        let both = self.tried(0, &settings).and_then(|first| Ok([first, self.tried(1, &settings)?]));
+        let both = self.tried(0, rays, &settings).and_then(|first| Ok([first, self.tried(1, rays, &settings)?]));
         std::mem::swap(&mut self.film, &mut film);
         self.view = whole;
         let [first, second] = both?;
@@ -195,8 +217,11 @@ impl<B: TransportBackend> Pipeline<B> {
         // The lesser of two times: other programs only add to them. Until the whole picture is timed, the time for photons is
         // taken to be proportional to the number of paths.
         let (mut photons, look) = ([0.0, first.photons.min(second.photons)], first.look.min(second.look));
-        let others = first.others(&second);
-        let direct = [first.direct, second.direct];
+        let radiance_of_others = first.others(&second);
+        let mut gathering: [f64; TRIED_RAYS.len()] =
+            std::array::from_fn(|number| first.gathering(number).min(second.gathering(number)) * more);
+        let sampled: [[Vec<f64>; 2]; TRIED_RAYS.len()] =
+            std::array::from_fn(|number| [first.sampled(number), second.sampled(number)]);
         let mut trials: Vec<Trial> = settings
             .iter()
             .zip(first.shown.into_iter().zip(second.shown))
@@ -207,13 +232,15 @@ impl<B: TransportBackend> Pipeline<B> {
                 seconds: (look + once.min(again)) * more,
             })
             .collect();
-        if photons[1] + trials.iter().map(|trial| trial.seconds).sum::<f64>() < TIMED_PART * seconds {
-            let timed = self.time_whole(&settings)?;
+        let all = trials.iter().map(|trial| trial.seconds).chain(gathering).sum::<f64>();
+        if photons[1] + all < timed_part * seconds {
+            let timed = self.time_whole(rays, &settings)?;
             photons = timed.photons;
+            gathering.iter_mut().zip(timed.gathering).for_each(|(gathering, seconds)| *gathering = seconds);
             trials.iter_mut().zip(timed.shown).for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);
         }
         let Some(least) = trials.first() else { return Ok((Vec::new(), photons[1])) };
-        let weights = weights(least, &others);
+        let weights = weights(least, &radiance_of_others);
         let reference = reference(&trials);
         let mut candidates = Vec::new();
         let now = f64::from(self.settings.photons);
@@ -221,17 +248,27 @@ impl<B: TransportBackend> Pipeline<B> {
             .iter()
             .filter(|&&more| more == 1.0 || open.photons && more * now >= f64::from(Choice::MIN_PHOTONS));
         let multiples: Vec<f64> = multiples.copied().collect();
-        for &area in areas {
+        // A new pipeline is prepared, with kernels that are compiled.
+        let preparation = self.setup.total() - self.setup.get(Stage::Compile);
+        let variances = sampled.each_ref().map(|both| variance(both, &weights));
+        let tried = std::array::from_fn(|number| (TRIED_RAYS[number], [variances[number], gathering[number]]));
+        // The numbers of gather rays, the variance that does not depend on photons, and the seconds of the rays.
+        let others: Vec<(Option<u32>, [f64; 2])> = match open.gather_rays {
+            true => POSSIBLE_RAYS.iter().map(|&rays| (Some(rays), with_gather_rays(tried, rays))).collect(),
+            false => vec![(None, [variances[0], 0.0])],
+        };
+        for (&(gather_rays, [others, gathering]), &area) in
+            others.iter().flat_map(|each| areas.iter().map(move |area| (each, area)))
+        {
             let of_area: Vec<&Trial> = trials.iter().filter(|trial| trial.area == area).collect();
-            let model = Model::new(&of_area, &reference, &direct, &weights, photons, self.settings.alpha);
+            let photons = [photons[0] + gathering, photons[1]];
+            let model = Model::new(&of_area, &reference, others, &weights, photons, self.settings.alpha);
             for &more in &multiples {
                 let photons = (more * now).min(f64::from(u32::MAX)) as u32;
-                // A new pipeline is prepared, with kernels that are compiled.
-                let preparation = self.setup.total() - self.setup.get(Stage::Compile);
                 let seconds = if more == 1.0 { seconds } else { (seconds - preparation).max(0.0) };
                 candidates.extend(possible.iter().map(|&radius_factor| {
                     let [seconds, error, direct_error] = model.forecast(more, radius_factor, seconds);
-                    Candidate { photons, area, radius_factor, seconds, error, direct_error }
+                    Candidate { photons, area, radius_factor, gather_rays, seconds, error, direct_error }
                 }));
             }
         }

@@ -31,23 +31,33 @@ impl<B: TransportBackend> Pipeline<B> {
                 self.show(built, pass)?;
             }
         }
-        let gathers_rays = self.stages.gather.is_some() && queries > 0;
-        self.on.mark(gathers_rays.then_some(Stage::Gather));
+        if queries > 0 {
+            self.gather(&maps, pass, paths, self.settings.gather_rays)?;
+        }
+        self.on.mark(None);
+        self.reclaim_maps(maps);
+        Ok(())
+    }
+
+    /// Adds the light that `rays` final-gather rays from each query find in the maps to the film, if there is final gathering.
+    pub(super) fn gather(&mut self, maps: &[BuiltMap<B>], pass: Pass, paths: PerMap<u64>, rays: u32) -> Result<()> {
+        if self.stages.gather.is_none() {
+            return Ok(());
+        }
+        self.on.mark(Some(Stage::Gather));
         // Light that a glossy surface reflects onto the start of a gather ray is in the caustic map there.
         let gathered = || maps.iter().filter(|built| !built.reflected);
-        let irradiance = if gathers_rays { self.irradiance(gathered, pass)? } else { None };
-        if let (Some(stage), true) = (&mut self.stages.gather, gathers_rays) {
+        let irradiance = self.irradiance(gathered, pass)?;
+        if let Some(stage) = &mut self.stages.gather {
             let mut photons = PerMap::default();
             for built in gathered() {
                 photons[built.kind] = Some((&built.map, built.gather));
             }
             let lent = Maps { photons, irradiance: irradiance.as_ref().map(|(map, gather)| (map, *gather)), paths };
-            let rays = self.settings.gather_rays;
             stage.gather(&mut self.on, &self.scene, &lent, pass, &self.queries, rays, &mut self.film)?;
         }
         self.on.mark(None);
         self.reclaim_irradiance(irradiance);
-        self.reclaim_maps(maps);
         Ok(())
     }
 

@@ -72,8 +72,17 @@ impl TimedSettings {
             (area, format!("--area {}", settings.area.name())),
             (radius_factor, format!("--radius-factor {}", settings.radius_factor)),
             (bandwidth, format!("--bandwidth {}", settings.bandwidth.name())),
+            (
+                !self.gathers(),
+                format!("--indirect {} --gather-rays {}", settings.indirect.name(), settings.gather_rays),
+            ),
         ];
         parts.into_iter().filter(|(given, _)| !given).map(|(_, text)| text).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Whether final gathering was chosen.
+    fn gathers(&self) -> bool {
+        self.choice.as_ref().is_some_and(|choice| choice.gather_rays.is_some())
     }
 
     /// The same for a render of this many passes.
@@ -85,11 +94,15 @@ impl TimedSettings {
     /// A line for standard error, if something was chosen by trials.
     pub(super) fn line(&self) -> Option<String> {
         let choice = self.choice.as_ref()?;
-        let forecast = |area: Area| {
-            let best = choice.candidates.iter().find(|candidate| candidate.area == area)?;
-            Some(format!("{:.1} % with --area {}", 100.0 * best.error.sqrt(), area.name()))
+        let forecast = |text: String, is_meant: &dyn Fn(&Candidate) -> bool| {
+            let best = choice.candidates.iter().find(|candidate| is_meant(candidate))?;
+            Some(format!("{:.1} % with {text}", 100.0 * best.error.sqrt()))
         };
-        let errors: Vec<String> = Area::ALL.into_iter().filter_map(forecast).collect();
+        let by_area = |area: Area| {
+            forecast(format!("--area {}", area.name()), &|each| each.area == area && each.gather_rays.is_none())
+        };
+        let gathered = forecast("--indirect gather".to_owned(), &|each| each.gather_rays.is_some());
+        let errors: Vec<String> = Area::ALL.into_iter().filter_map(by_area).chain(gathered).collect();
         Some(format!("chosen for the time: {} (forecast of the error: {})", self.options(), errors.join(", ")))
     }
 
@@ -102,7 +115,7 @@ impl TimedSettings {
             );
         };
         let of_choice = |each: &&Candidate| {
-            (each.photons, each.area) == (choice.photons, choice.area)
+            (each.photons, each.area, each.gather_rays) == (choice.photons, choice.area, choice.gather_rays)
                 && (each.radius_factor == choice.radius_factor || choice.bandwidth == Bandwidth::PerPixel)
         };
         let chosen = choice.candidates.iter().find(of_choice);
@@ -117,9 +130,11 @@ impl TimedSettings {
         for candidate in choice.candidates.iter().take(SHOWN) {
             let (area, factor, error) =
                 (candidate.area.name(), candidate.radius_factor, 100.0 * candidate.error.sqrt());
+            let gathered =
+                candidate.gather_rays.map_or(String::new(), |rays| format!("  --indirect gather --gather-rays {rays}"));
             let _ = writeln!(
                 text,
-                "  --photons {:<8} --area {area:<8} --radius-factor {factor:<4} {error:6.2} %  {:.4} s",
+                "  --photons {:<8} --area {area:<8} --radius-factor {factor:<4} {error:6.2} %  {:.4} s{gathered}",
                 candidate.photons, candidate.seconds
             );
         }
@@ -140,6 +155,8 @@ impl TimedSettings {
                 "photons": candidate.photons,
                 "area": candidate.area.name(),
                 "radius_factor": candidate.radius_factor,
+                // Rays of final gathering; null where indirect light is read from a map.
+                "gather_rays": candidate.gather_rays,
                 "error": candidate.error.sqrt(),
                 // What of it is noise of direct light and camera paths.
                 "direct_error": candidate.direct_error.sqrt(),

@@ -5,6 +5,7 @@ pub mod compare;
 pub mod devices;
 pub mod explain;
 pub mod export;
+mod gathering;
 pub mod info;
 pub mod manual;
 pub mod map;

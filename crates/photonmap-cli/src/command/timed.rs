@@ -8,6 +8,7 @@ use photon_core::{
 use photon_scene::Scene;
 
 use crate::args::SettingsArgs;
+use crate::command::gathering;
 use crate::fault::Fault;
 
 /// Half of the paths, from which trials begin: mostly, more passes are better than more photons in a given time.
@@ -45,22 +46,42 @@ pub(super) fn choose<B: TransportBackend>(
         area: given.area.is_none(),
         radius_factor: given.radius_factor.is_none(),
         bandwidth: given.bandwidth.is_none(),
+        gather_rays: false,
     };
     let seconds = (time - begun.elapsed().as_secs_f64()).max(0.0);
     let Some(choice) = renderer.choose(&scene.view(), seconds, open)? else { return Ok((renderer, settings, None)) };
+    if gathering::is_worth_trying(args, &settings, &renderer.facts().setup, (&choice, seconds)) {
+        return gathering::choose(renderer, (args, begun), (scene, view), settings, choice);
+    }
+    let (wanted, is_new) = with_choice(args, settings, &choice, (renderer.facts().photons, view, seconds));
+    if is_new {
+        renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, wanted.clone())?;
+    }
+    Ok((renderer, wanted, Some(choice)))
+}
+
+/// The settings with what was chosen for this many seconds by a renderer with so many `photons`, and whether another one is
+/// needed.
+pub(super) fn with_choice(
+    args: &SettingsArgs,
+    settings: Settings,
+    choice: &Choice,
+    (photons, view, seconds): (u32, View, f64),
+) -> (Settings, bool) {
     let errors = settings.errors || choice.bandwidth == Bandwidth::PerPixel;
     let radius_factor = settings.radius_factor * choice.radius_factor;
     let mut settings = Settings { area: choice.area, radius_factor, bandwidth: choice.bandwidth, errors, ..settings };
+    let mut is_new = false;
     if args.photon.photons.is_none() {
         let pixels = view.width.saturating_mul(view.height);
-        let more = more_paths(&choice, renderer.facts().photons, pixels, seconds);
-        let photons = more.map_or(choice.photons, |more| more.max(choice.photons));
-        if photons != renderer.facts().photons {
-            settings.photons = photons;
-            renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, settings.clone())?;
+        let more = more_paths(choice, photons, pixels, seconds);
+        let chosen = more.map_or(choice.photons, |more| more.max(choice.photons));
+        is_new = chosen != photons;
+        if is_new {
+            settings.photons = chosen;
         }
     }
-    Ok((renderer, settings, Some(choice)))
+    (settings, is_new)
 }
 
 /// Paths are not increased to where fewer passes than this fit.

@@ -49,7 +49,15 @@ mod tests {
     use super::*;
 
     fn candidate(photons: u32, area: Area, error: f64) -> Candidate {
-        Candidate { photons, area, radius_factor: 0.7, seconds: 0.01, error, direct_error: 0.1 * error }
+        Candidate {
+            photons,
+            area,
+            radius_factor: 0.7,
+            gather_rays: None,
+            seconds: 0.01,
+            error,
+            direct_error: 0.1 * error,
+        }
     }
 
     fn decided(candidates: &[Candidate], seconds: f64) -> (Candidate, Bandwidth) {

@@ -60,37 +60,34 @@ pub(super) struct Model {
 
 impl Model {
     /// From the trials of one kind of areas, by increasing factor; `reference` is the radiance that they are compared with
-    /// ([`reference`]), and `photons` the seconds until there are photon maps: fixed ones, and those that are
+    /// ([`reference`]), `others` the variance that does not depend on photons, and `photons` the seconds until there are photon maps: fixed ones, and those that are
     /// proportional to the number of paths.
     pub(super) fn new(
         trials: &[&Trial],
         reference: &[Vec<f64>; 2],
-        direct: &[Vec<f64>; 2],
+        others: f64,
         weights: &[f64],
         photons: [f64; 2],
         alpha: f64,
     ) -> Self {
-        let mean = |of: &dyn Fn(usize) -> f64| {
-            weights.iter().enumerate().map(|(i, weight)| of(i) * weight).sum::<f64>() / weights.len().max(1) as f64
-        };
-        // Of one pass: half of the squared difference of two.
-        let variance = |[one, two]: &[Vec<f64>; 2]| mean(&|i| 0.5 * (one[i] - two[i]).powi(2));
         // The noise of two passes is independent: that of the product has the mean 0. A visible point at the rim of a surface,
         // whose area there is a small part of the disc, may be many times too bright: one of thousands that a pixel averages over.
         let [one, two] = reference;
         let product = |trial: &Trial, i: usize| (trial.passes[0][i] - one[i]) * (trial.passes[1][i] - two[i]);
         let difference = |trial: &Trial| {
-            mean(&|i| product(trial, i).clamp(-MAX_BIAS_SQUARED / weights[i], MAX_BIAS_SQUARED / weights[i]))
+            let limited =
+                |i: usize| product(trial, i).clamp(-MAX_BIAS_SQUARED / weights[i], MAX_BIAS_SQUARED / weights[i]);
+            weighted_mean(weights, limited)
         };
         let positive = |of: &dyn Fn(&Trial) -> f64| {
             trials.iter().map(|trial| [trial.factor, of(trial).max(f64::MIN_POSITIVE)]).collect::<Vec<_>>()
         };
         Self {
-            others: variance(direct),
+            others,
             // That of smooth light is as the reciprocal of the area. Few photons per disc make it uncertain, so that less might be
             // measured between two radii.
             variance: Curve {
-                points: positive(&|trial| variance(&trial.passes)),
+                points: positive(&|trial| variance(&trial.passes, weights)),
                 exponents: [-2.0, 0.0],
                 below: Some(-2.0),
             },
@@ -132,6 +129,25 @@ impl Model {
             others + self.variance.at(factor * narrow.sqrt()) / n + self.bias_squared.at(factor * (wide / more).sqrt());
         [pass, error, others]
     }
+}
+
+fn weighted_mean(weights: &[f64], of: impl Fn(usize) -> f64) -> f64 {
+    weights.iter().enumerate().map(|(i, weight)| of(i) * weight).sum::<f64>() / weights.len().max(1) as f64
+}
+
+/// The variance of one pass: half of the squared difference of two.
+pub(super) fn variance([one, two]: &[Vec<f64>; 2], weights: &[f64]) -> f64 {
+    weighted_mean(weights, |i| 0.5 * (one[i] - two[i]).powi(2))
+}
+
+/// The variance and the seconds with `rays` gather rays, from those with two other numbers of rays. Rays are independent, so that
+/// a part of the variance is as the reciprocal of their number, and a part of the time as their number.
+pub(super) fn with_gather_rays(tried: [(u32, [f64; 2]); 2], rays: u32) -> [f64; 2] {
+    let [(few, [noisy, fast]), (many, [quiet, slow])] = tried.map(|(rays, found)| (f64::from(rays), found));
+    let rays = f64::from(rays);
+    let of_rays = ((noisy - quiet) / (few.recip() - many.recip())).clamp(0.0, quiet * many);
+    let second = ((slow - fast) / (many - few)).max(0.0);
+    [quiet + of_rays * (rays.recip() - many.recip()), (slow + second * (rays - many)).max(0.0)]
 }
 
 /// The radiance of each pixel in two passes without most of the bias: that of the first trial, which has the least, extrapolated
@@ -219,7 +235,7 @@ mod tests {
         let direct = [noise(90).map(|x| 0.3 * x).collect(), noise(91).map(|x| 0.3 * x).collect()];
         for (trials, bias) in [(surface, 0.06_f64), (disc, 0.1)] {
             let all: Vec<&Trial> = trials.iter().collect();
-            let model = Model::new(&all, &reference, &direct, &weights, [0.25, 0.5], 1.0);
+            let model = Model::new(&all, &reference, variance(&direct, &weights), &weights, [0.25, 0.5], 1.0);
             for factor in [1.4, 2.0] {
                 let passes = 100.0;
                 let seconds = 0.75 + 0.25 * factor * factor;
@@ -244,6 +260,18 @@ mod tests {
         }
     }
 
+    /// Variance 3 + 8/rays, and 5 + 2 rays seconds; more noise with more rays is not believed.
+    #[test]
+    fn gather_rays_are_independent() {
+        let of = |rays: u32| [3.0 + 8.0 / f64::from(rays), 5.0 + 2.0 * f64::from(rays)];
+        for rays in [1, 2, 4, 16] {
+            let found = with_gather_rays([(1, of(1)), (4, of(4))], rays);
+            assert!(found.iter().zip(of(rays)).all(|(found, expected)| (found - expected).abs() < 1e-12), "{found:?}");
+        }
+        assert_eq!(with_gather_rays([(1, [1.0, 2.0]), (4, [1.5, 1.0])], 16), [1.5, 1.0]);
+        assert_eq!(with_gather_rays([(1, [9.0, 1.0]), (4, [1.0, 4.0])], 16), [0.25, 16.0]);
+    }
+
     /// Four times the paths: discs with half of the radius contain as many photons, and have a sixteenth of the squared bias.
     #[test]
     fn more_paths_make_smaller_discs() {
@@ -252,8 +280,7 @@ mod tests {
             ..trial(Area::Surface, factor, 0.0, 0)
         });
         let all: Vec<&Trial> = trials.iter().collect();
-        let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
-        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
+        let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
         let ([once, coarse, _], [more, fine, _]) = (model.forecast(1.0, 1.4, 1e9), model.forecast(4.0, 1.4, 1e9));
         assert!((more - once - 3.0 * 0.5).abs() < 1e-12, "{more} {once}");
         assert!((coarse / 0.01 / 1.4_f64.powi(4) - 1.0).abs() < 1e-6 && (coarse / fine - 16.0).abs() < 1e-6, "{fine}");
@@ -270,8 +297,7 @@ mod tests {
         trial.passes.iter_mut().for_each(|pass| pass[7] = 30.0);
         let trials = [least, trial];
         let all: Vec<&Trial> = trials.iter().collect();
-        let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
-        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
+        let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
         // Without the limit it would be (4/3 · 29)² times as much.
         let [_, error, _] = model.forecast(1.0, 1.4, 1e9);
         assert!((error * PIXELS as f64 / MAX_BIAS_SQUARED - 1.0).abs() < 1e-6, "{error}");
@@ -282,8 +308,7 @@ mod tests {
     fn with_time_bias_matters_more() {
         let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, 0.03, (factor * 10.0) as u64));
         let all: Vec<&Trial> = trials.iter().collect();
-        let none = [vec![0.0; PIXELS], vec![0.0; PIXELS]];
-        let model = Model::new(&all, &reference(&trials), &none, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
+        let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
         let error = |factor: f64, seconds: f64| model.forecast(1.0, factor, seconds)[1];
         assert!(error(2.0, 2.0) < error(0.7, 2.0) && error(2.0, 1e4) > error(0.7, 1e4));
     }

@@ -7,6 +7,7 @@ use crate::backend::stages::Pass;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::film::{Film, FilmPixel, Layer};
+use crate::requirements::map_kind::PerMap;
 use crate::settings::Area;
 
 /// A pass with each of several settings.
@@ -17,16 +18,33 @@ pub(super) struct Tried {
     pub(super) look: f64,
     /// What the camera sees of lights, and direct light by shadow rays: the radiance of each pixel, mean of RGB.
     emission: Vec<f64>,
-    pub(super) direct: Vec<f64>,
+    direct: Vec<f64>,
+    /// Light that was found by each number of gather rays, and its seconds.
+    gathered: Vec<(Vec<f64>, f64)>,
     /// The same by photons, and the seconds of the estimates.
     pub(super) shown: Vec<(Vec<f64>, f64)>,
 }
 
 impl Tried {
-    /// The mean radiance of the two passes without that of photons.
+    /// The mean radiance of the two passes without that of photons at visible points; of the numbers of gather rays, that of
+    /// the last.
     pub(super) fn others(&self, second: &Self) -> Vec<f64> {
-        let parts = self.emission.iter().zip(&self.direct).zip(second.emission.iter().zip(&second.direct));
-        parts.map(|((a, b), (c, d))| 0.5 * (a + b + c + d)).collect()
+        let last = self.gathered.len().saturating_sub(1);
+        let seen = |tried: &Self| added(tried.sampled(last), &tried.emission);
+        seen(self).iter().zip(seen(second)).map(|(a, b)| 0.5 * (a + b)).collect()
+    }
+
+    /// Direct light by shadow rays and light by gather rays, of which there are as many as in the `number`-th trial.
+    pub(super) fn sampled(&self, number: usize) -> Vec<f64> {
+        match self.gathered.get(number) {
+            Some((gathered, _)) => added(self.direct.clone(), gathered),
+            None => self.direct.clone(),
+        }
+    }
+
+    /// Seconds for the gather rays of the `number`-th trial; 0 without final gathering.
+    pub(super) fn gathering(&self, number: usize) -> f64 {
+        self.gathered.get(number).map_or(0.0, |(_, seconds)| *seconds)
     }
 }
 
@@ -35,18 +53,28 @@ pub(super) struct Timed {
     /// Until there are photon maps: fixed, and proportional to the number of paths.
     pub(super) photons: [f64; 2],
     pub(super) look: f64,
+    /// Gather rays, with each of several numbers.
+    pub(super) gathering: Vec<f64>,
     /// The estimates with each of several settings.
     pub(super) shown: Vec<f64>,
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// One pass into the present film with each of the settings, areas and factors on radii.
-    pub(super) fn tried(&mut self, index: u32, settings: &[(Area, f64)]) -> Result<Tried> {
-        let (mut maps, photons) = self.timed_maps(index, self.settings.photons)?;
+    /// One pass into the present film with each of the numbers of gather rays, if there are any, and each of the settings, areas
+    /// and factors on radii.
+    pub(super) fn tried(&mut self, index: u32, rays: &[u32], settings: &[(Area, f64)]) -> Result<Tried> {
+        let (mut maps, paths, photons) = self.timed_maps(index, self.settings.photons)?;
         self.look(index)?;
         let look = self.rendering()?;
         self.on.end_pass(&mut self.film)?;
         let seen = self.on.read_film(&self.film)?;
+        let mut gathered = Vec::with_capacity(rays.len());
+        for &rays in rays {
+            self.on.clear_film(&mut self.film)?;
+            let seconds = self.timed_gathering((&maps, paths), index, rays)?;
+            self.on.end_pass(&mut self.film)?;
+            gathered.push((sum(&self.on.read_film(&self.film)?, &Layer::ALL), seconds));
+        }
         if index > 0 {
             // The visible points of the first pass once more, so that the two passes differ in photons only.
             self.look(0)?;
@@ -61,34 +89,45 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         self.reclaim_maps(maps);
         let direct = sum(&seen, &[Layer::Direct, Layer::Caustic, Layer::Indirect]);
-        Ok(Tried { photons, look, emission: sum(&seen, &[Layer::Emission]), direct, shown })
+        Ok(Tried { photons, look, emission: sum(&seen, &[Layer::Emission]), direct, gathered, shown })
     }
 
     /// What a pass with the whole picture takes; nothing is added to the film.
-    pub(super) fn time_whole(&mut self, settings: &[(Area, f64)]) -> Result<Timed> {
+    pub(super) fn time_whole(&mut self, rays: &[u32], settings: &[(Area, f64)]) -> Result<Timed> {
         let paths = self.settings.photons;
         let few = (paths / 4).max(1);
-        let (maps, seconds_few) = self.timed_maps(0, few)?;
+        let (maps, _, seconds_few) = self.timed_maps(0, few)?;
         self.reclaim_maps(maps);
-        let (mut maps, seconds) = self.timed_maps(0, paths)?;
+        let (mut maps, sent, seconds) = self.timed_maps(0, paths)?;
         let more = f64::from(paths) / f64::from(paths.abs_diff(few).max(1));
         let proportional = (more * (seconds - seconds_few)).clamp(0.0, seconds);
         self.look(0)?;
         let look = self.rendering()?;
+        let gathering: Result<Vec<f64>> =
+            rays.iter().map(|&rays| self.timed_gathering((&maps, sent), 0, rays)).collect();
         let shown: Result<Vec<f64>> =
             settings.iter().map(|&setting| self.timed_estimates(&mut maps, setting)).collect();
         self.on.abandon_pass(&mut self.film)?;
         self.reclaim_maps(maps);
-        Ok(Timed { photons: [seconds - proportional, proportional], look, shown: shown? })
+        Ok(Timed { photons: [seconds - proportional, proportional], look, gathering: gathering?, shown: shown? })
     }
 
-    fn timed_maps(&mut self, index: u32, paths: u32) -> Result<(Vec<BuiltMap<B>>, f64)> {
+    /// The maps of this many paths, those that were sent for each map, and the seconds.
+    fn timed_maps(&mut self, index: u32, paths: u32) -> Result<(Vec<BuiltMap<B>>, PerMap<u64>, f64)> {
         self.on.timings()?;
         let sent = self.emit_and_trace(index, paths, &mut ())?;
         self.on.mark(Some(Stage::Build));
         let maps = self.build_maps(index, &sent.per_map())?;
         self.on.mark(None);
-        Ok((maps, self.rendering()?))
+        Ok((maps, sent.per_map(), self.rendering()?))
+    }
+
+    /// Adds light by this many gather rays from each query to the film.
+    fn timed_gathering(&mut self, (maps, paths): (&[BuiltMap<B>], PerMap<u64>), index: u32, rays: u32) -> Result<f64> {
+        self.on.timings()?;
+        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
+        self.gather(maps, pass, paths, rays)?;
+        self.rendering()
     }
 
     /// Adds the estimates to the film.
@@ -119,6 +158,11 @@ impl<B: TransportBackend> Pipeline<B> {
         let seconds = self.on.timings()?;
         Ok(seconds.total() - seconds.get(Stage::Prepare) - seconds.get(Stage::Bvh))
     }
+}
+
+fn added(mut to: Vec<f64>, other: &[f64]) -> Vec<f64> {
+    to.iter_mut().zip(other).for_each(|(to, other)| *to += other);
+    to
 }
 
 /// The sum of layers of each pixel, mean of RGB.

@@ -3,7 +3,7 @@
 use photon_core::{Area, Bandwidth, Choice, Film, Indirect, Open, Pipeline, Render, Settings, TransportBackend};
 use photon_scene::Scene;
 
-use crate::harness::{TestBackend, renderer};
+use crate::harness::{self, TestBackend, renderer};
 
 const SIZE: u32 = 24;
 const ALL: Open = Open { photons: false, area: true, radius_factor: true, bandwidth: true, gather_rays: true };
@@ -71,6 +71,25 @@ pub fn chosen_settings_make_the_same_bits<T: TestBackend>() {
     assert_eq!([few.candidates.len(), more.candidates.len()], [2, 2]);
 }
 
+/// The number of gather rays is chosen by its forecasts, and makes the bits of a pipeline that was made with it.
+pub fn gather_rays_make_the_same_bits<T: TestBackend>() {
+    let scene = scene();
+    let gathers = |gather_rays: u32| Settings { indirect: Indirect::Gather, gather_rays, ..settings() };
+    let mut renderer = renderer::<T>(&scene, &gathers(2), SIZE);
+    let choice = renderer.choose(&scene.view(), 10.0, ALL).unwrap().unwrap();
+    let rays: Vec<u32> = choice.candidates.iter().filter_map(|candidate| candidate.gather_rays).collect();
+    assert!(rays.len() == 3 && rays.contains(&1) && choice.gather_rays == Some(rays[0]), "{choice:?}");
+    assert_eq!((choice.radius_factor, choice.bandwidth), (1.0, Bandwidth::Shared));
+    // More rays have less noise in a pass, and take longer. The error after a time is that noise over the number of passes.
+    let of = |rays: u32| choice.candidates.iter().find(|candidate| candidate.gather_rays == Some(rays)).unwrap();
+    let noise = |rays: u32| of(rays).direct_error / of(rays).seconds;
+    assert!(noise(16) < noise(4) && noise(4) < noise(1) && of(16).seconds > of(1).seconds, "{choice:?}");
+    let found = film(&mut renderer);
+    let expected = film(&mut harness::renderer::<T>(&scene, &gathers(rays[0]), SIZE));
+    assert!(found.pixels == expected.pixels, "{choice:?}");
+    assert!(found.pixels != film(&mut harness::renderer::<T>(&scene, &gathers(2), SIZE)).pixels, "2 rays go unnoticed");
+}
+
 /// Nothing is chosen, and no bit changes, where there is nothing to choose.
 pub fn nothing_to_choose_changes_nothing<T: TestBackend>() {
     let scene = scene();
@@ -83,7 +102,9 @@ pub fn nothing_to_choose_changes_nothing<T: TestBackend>() {
         assert_eq!(chooser.choose(&scene.view(), 1.0, ALL).unwrap(), None);
     };
     none(&settings(), NONE);
-    none(&Settings { indirect: Indirect::Gather, gather_rays: 1, ..settings() }, ALL);
+    // With final gathering its rays alone may be chosen, and without it they may not.
+    none(&Settings { indirect: Indirect::Gather, gather_rays: 1, ..settings() }, Open { gather_rays: false, ..ALL });
+    none(&settings(), Open { gather_rays: true, ..NONE });
     let given = Settings { area: Area::Disc, radius_factor: 0.9, errors: true, ..settings() };
     none(&Settings { bandwidth: Bandwidth::PerPixel, ..given }, ALL);
 }

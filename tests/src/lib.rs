@@ -128,7 +128,9 @@ macro_rules! whole_suite {
                 a6_fixed_radius_mean_and_variance, a7_bias_of_curvature, a8_loss_at_edges, a9_no_bias_on_a_sphere,
                 a12_progressive_variance, a13_threshold_darkens,
             }
-            choice::{ chosen_settings_make_the_same_bits, nothing_to_choose_changes_nothing }
+            choice::{
+                chosen_settings_make_the_same_bits, gather_rays_make_the_same_bits, nothing_to_choose_changes_nothing,
+            }
             footprint::{ a15_spots_narrower_than_a_pixel_are_found, a16_radii_are_at_least_half_a_pixel }
             direct::{
                 b1_point_light, b2_flux_through_a_disc, b3_lambertian_disc, b4_rectangle, b5_form_factors,

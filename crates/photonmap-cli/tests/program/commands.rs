@@ -66,6 +66,20 @@ fn explain_tells_what_is_left_out() {
     assert!(table[1].contains("--passes") && timed.contains(&format!("of {photons} paths")), "{timed}");
     assert!(table.iter().filter(|line| line.contains(" %  ")).count() >= 10, "{timed}");
     assert!(!fixed.contains("trials"), "{fixed}");
+    // Final gathering where it is much better, unless something else is asked for or the time is too short.
+    let rooms = |options: &[&str]| {
+        stdout(&run("explain", &[&["two-rooms", "--size", "48x48", "--backend", "cpu"], options].concat()))
+    };
+    let gathered = rooms(&["--time", "30"]);
+    let line = gathered.lines().find(|line| line.contains("--passes")).unwrap();
+    assert!(line.contains("--indirect gather --gather-rays "), "{gathered}");
+    // The options are valid ones, of which those of final gathering have an effect.
+    let options: Vec<&str> = line.split_whitespace().collect();
+    let passes = options.iter().position(|option| *option == "--passes").unwrap();
+    assert!(rooms(&options[..passes]).contains("final gathering"), "{line}");
+    for options in [["--time", "30", "--indirect", "map"].as_slice(), &["--time", "5"], &["--time", "30", "--errors"]] {
+        assert!(!rooms(options).contains("--indirect gather"), "{options:?}");
+    }
     // Glossy surfaces have a hint how to do without them.
     let gloss = stdout(&run("explain", &["gloss"]));
     let line = gloss.lines().find(|line| line.trim_start().starts_with("glossy ")).unwrap();

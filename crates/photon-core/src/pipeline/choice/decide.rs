@@ -10,6 +10,14 @@ const CLEARLY_LESS: f64 = 0.85;
 /// A radius for each pixel gains little where direct light makes up more than this part of the error.
 const MAX_DIRECT: f64 = 0.5;
 
+/// More paths are chosen if a pass takes at most this many times as long, and the error is at most this many times as large: two
+/// passes hardly show rare bright photons, of which more are found.
+const HARDLY_MORE: f64 = 1.15;
+
+/// With that many times the passes of [`passes_per_pixel`], direct light is no reason against a radius for each pixel: its noise
+/// falls faster than bias.
+const MANY_TIMES: f64 = 2.0;
+
 /// With as many passes, a radius for each pixel is worth the error estimates that it takes. These are estimates with a second
 /// radius, which areas of surfaces make more expensive.
 const fn passes_per_pixel(area: Area) -> f64 {
@@ -30,8 +38,15 @@ pub(super) fn decide(
     let best = best_of(candidates, |candidate| candidate.photons == now)?;
     let other = best_of(candidates, |candidate| candidate.photons != now);
     let best = other.filter(|other| other.error < CLEARLY_LESS * best.error).unwrap_or(best);
-    let is_per_pixel =
-        is_open && seconds > passes_per_pixel(best.area) * best.seconds && best.direct_error < MAX_DIRECT * best.error;
+    let best = candidates
+        .iter()
+        .filter(|each| each.photons >= best.photons && (each.area, each.gather_rays) == (best.area, best.gather_rays))
+        .filter(|each| each.seconds <= HARDLY_MORE * best.seconds && each.error <= HARDLY_MORE * best.error)
+        .max_by(|a, b| a.photons.cmp(&b.photons).then(b.error.total_cmp(&a.error)))
+        .copied()
+        .unwrap_or(best);
+    let limits = seconds / (passes_per_pixel(best.area) * best.seconds);
+    let is_per_pixel = is_open && limits > 1.0 && (limits > MANY_TIMES || best.direct_error < MAX_DIRECT * best.error);
     Some(if is_per_pixel { (Candidate { radius_factor: 1.0, ..best }, Bandwidth::PerPixel) } else { (best, bandwidth) })
 }
 
@@ -54,7 +69,8 @@ mod tests {
             area,
             radius_factor: 0.7,
             gather_rays: None,
-            seconds: 0.01,
+            // Photons take half of a pass of 1000 paths.
+            seconds: 0.005 + 0.005 * f64::from(photons) / 1000.0,
             error,
             direct_error: 0.1 * error,
         }
@@ -82,6 +98,26 @@ mod tests {
         assert_eq!(none, None);
     }
 
+    /// Of several such numbers the largest, with the best radius.
+    #[test]
+    fn more_paths_are_taken_if_they_take_hardly_longer() {
+        let best = candidate(1000, Area::Surface, 1.0);
+        let more = |seconds: f64, error: f64| Candidate { seconds, ..candidate(4000, Area::Surface, error) };
+        for (other, is_chosen) in [
+            (more(0.0114, 1.14), true),
+            (more(0.0116, 1.14), false),
+            (more(0.0114, 1.16), false),
+            (Candidate { area: Area::Disc, ..more(0.0114, 1.14) }, false),
+            (Candidate { photons: 500, ..more(0.0114, 1.14) }, false),
+        ] {
+            let expected = if is_chosen { other } else { best };
+            assert_eq!(decided(&[best, other], 1.0).0, expected, "{other:?}");
+        }
+        let fewer = Candidate { photons: 2000, ..more(0.0101, 1.0) };
+        let wide = Candidate { radius_factor: 1.4, ..more(0.0114, 1.13) };
+        assert_eq!(decided(&[best, fewer, more(0.0114, 1.14), wide], 1.0).0, wide);
+    }
+
     #[test]
     fn pixels_have_their_own_radii_with_many_passes_and_little_noise_of_direct_light() {
         for (area, many) in [(Area::Disc, 2.0), (Area::Surface, 5.0)] {
@@ -92,7 +128,9 @@ mod tests {
             let closed = decide(&[best], 1000, 1.01 * many, (Bandwidth::Shared, false));
             assert_eq!(closed, Some((best, Bandwidth::Shared)));
             let noisy = Candidate { direct_error: 0.6, ..best };
-            assert_eq!(decided(&[noisy], 1.01 * many), (noisy, Bandwidth::Shared));
+            assert_eq!(decided(&[noisy], 1.99 * many), (noisy, Bandwidth::Shared));
+            let own = Candidate { radius_factor: 1.0, ..noisy };
+            assert_eq!(decided(&[noisy], 2.01 * many), (own, Bandwidth::PerPixel));
         }
     }
 }

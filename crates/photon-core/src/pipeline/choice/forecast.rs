@@ -47,12 +47,20 @@ const STEPS: usize = 4;
 /// The largest squared relative bias of a pixel that counts.
 const MAX_BIAS_SQUARED: f64 = 1.0;
 
+/// Bias may be that many standard errors larger than it is measured.
+const HIDDEN: f64 = 2.0;
+
+/// Pixels side by side whose noise may be correlated, since photons are in the discs of several.
+const CORRELATED: usize = 64;
+
 /// Squared relative errors of one kind of areas.
 pub(super) struct Model {
     /// The variance that does not depend on photons.
     others: f64,
     variance: Curve,
     bias_squared: Curve,
+    /// The squared bias that noise may hide at a factor on radii.
+    hidden: [f64; 2],
     seconds: Curve,
     photons: [f64; 2],
     alpha: f64,
@@ -74,11 +82,11 @@ impl Model {
         // whose area there is a small part of the disc, may be many times too bright: one of thousands that a pixel averages over.
         let [one, two] = reference;
         let product = |trial: &Trial, i: usize| (trial.passes[0][i] - one[i]) * (trial.passes[1][i] - two[i]);
-        let difference = |trial: &Trial| {
-            let limited =
-                |i: usize| product(trial, i).clamp(-MAX_BIAS_SQUARED / weights[i], MAX_BIAS_SQUARED / weights[i]);
-            weighted_mean(weights, limited)
+        let squares = |trial: &Trial| -> Vec<f64> {
+            let relative = |i: usize| (product(trial, i) * weights[i]).clamp(-MAX_BIAS_SQUARED, MAX_BIAS_SQUARED);
+            (0..weights.len()).map(relative).collect()
         };
+        let hidden = trials.last().map_or([1.0, 0.0], |trial| [trial.factor, HIDDEN * standard_error(&squares(trial))]);
         let positive = |of: &dyn Fn(&Trial) -> f64| {
             trials.iter().map(|trial| [trial.factor, of(trial).max(f64::MIN_POSITIVE)]).collect::<Vec<_>>()
         };
@@ -95,13 +103,14 @@ impl Model {
                 points: trials
                     .iter()
                     .filter_map(|trial| {
-                        let squared = difference(trial);
+                        let squared = mean(&squares(trial));
                         (squared > 0.0).then_some([trial.factor, squared])
                     })
                     .collect(),
                 exponents: [1.0, 4.0],
                 below: None,
             },
+            hidden,
             seconds: Curve { points: positive(&|trial| trial.seconds), exponents: [0.0, 2.0], below: None },
             photons,
             alpha,
@@ -125,10 +134,30 @@ impl Model {
         let narrow = n / inverse_radius_squared_sum(passes, self.alpha);
         // Discs of derived radii contain as many photons of more paths, and are smaller.
         let others = self.others / n;
-        let error =
-            others + self.variance.at(factor * narrow.sqrt()) / n + self.bias_squared.at(factor * (wide / more).sqrt());
+        let (narrow, wide) = (factor * narrow.sqrt(), factor * (wide / more).sqrt());
+        let error = others + self.variance.at(narrow) / n + self.bias_squared.at(wide) + self.hidden_at(wide);
         [pass, error, others]
     }
+
+    /// Where light is smooth, bias is as the squared radius: what is hidden at the greatest radius that was tried is little at small
+    /// ones.
+    fn hidden_at(&self, factor: f64) -> f64 {
+        let [greatest, squared] = self.hidden;
+        squared * (factor / greatest).powi(4)
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// That of the mean, from the means of pixels side by side; 0 if there are fewer than two such means.
+fn standard_error(values: &[f64]) -> f64 {
+    let means: Vec<f64> = values.chunks(CORRELATED).map(mean).collect();
+    let whole = mean(&means);
+    let squares = means.iter().map(|mean| (mean - whole).powi(2)).sum::<f64>();
+    let count = means.len() as f64;
+    if count < 2.0 { 0.0 } else { (squares / (count * (count - 1.0))).sqrt() }
 }
 
 fn weighted_mean(weights: &[f64], of: impl Fn(usize) -> f64) -> f64 {
@@ -240,6 +269,7 @@ mod tests {
                 let passes = 100.0;
                 let seconds = 0.75 + 0.25 * factor * factor;
                 let [pass, error, direct] = model.forecast(1.0, factor, passes * seconds + 1e-9);
+                let error = error - model.hidden_at(factor);
                 assert!((pass - seconds).abs() < 1e-12);
                 // The mean of half of a squared difference has the relative standard error √(2/n).
                 let z = (direct * passes / 0.09 - 1.0) / (2.0 / PIXELS as f64).sqrt();
@@ -258,6 +288,20 @@ mod tests {
                 assert!(z.abs() < 4.5, "{factor}: {error} for {expected}, z = {z}");
             }
         }
+    }
+
+    /// The standard error of independent numbers is σ/√n, and that of numbers that are the same 64 times is 8 times as large.
+    #[test]
+    fn standard_errors_are_those_of_means() {
+        let independent: Vec<f64> = noise(7).collect();
+        let same: Vec<f64> = (0..PIXELS).map(|i| independent[i / CORRELATED]).collect();
+        let root = (PIXELS as f64).sqrt();
+        // From 64 means, whose spread has the relative standard error 1/√(2·63).
+        for (values, expected) in [(&independent, 1.0 / root), (&same, 8.0 / root)] {
+            let z = (standard_error(values) / expected - 1.0) * (2.0_f64 * 63.0).sqrt();
+            assert!(z.abs() < 4.5, "{z}");
+        }
+        assert_eq!(standard_error(&[1.0; 64]), 0.0);
     }
 
     /// Variance 3 + 8/rays, and 5 + 2 rays seconds; more noise with more rays is not believed.
@@ -299,7 +343,7 @@ mod tests {
         let all: Vec<&Trial> = trials.iter().collect();
         let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
         // Without the limit it would be (4/3 · 29)² times as much.
-        let [_, error, _] = model.forecast(1.0, 1.4, 1e9);
+        let error = model.forecast(1.0, 1.4, 1e9)[1] - model.hidden_at(1.4);
         assert!((error * PIXELS as f64 / MAX_BIAS_SQUARED - 1.0).abs() < 1e-6, "{error}");
     }
 

@@ -84,7 +84,7 @@ impl<T, F: FnMut(T, u32, f32) -> T> IndexSearch for Within<'_, T, F> {
 
 /// What is done with the points within a radius, up to sixteen at a time.
 pub(crate) trait Batches {
-    /// Whether a point counts.
+    /// Whether a point counts. Has to be `#[inline(always)]`, as [`Self::take`].
     fn accepts(&self, slot: u32) -> bool;
 
     /// Takes the first `count` of these points; the others are valid too, but do not count. Has to be `#[inline(always)]`, to

@@ -7,7 +7,7 @@ use crate::index::{Batches, WIDTH};
 use crate::map::CpuMap;
 use crate::map::power::Power;
 
-/// Powers of photons, times what the surface at a point makes of them.
+/// Powers of photons, times the factor that the surface at a point gives them.
 pub(crate) trait PhotonPowers {
     type Power: Power;
 
@@ -98,7 +98,7 @@ impl PhotonPowers for Reflected<'_> {
     ) -> T {
         let mut batches = ReflectedBatches { reflected: self, map, accept, state: Some(state), fold };
         map.index().batches_within(position, r2, &mut batches);
-        batches.state.expect("the state is put back after every photon")
+        batches.state.expect("the state is put back after every batch")
     }
 }
 
@@ -141,5 +141,76 @@ impl<T, A: Fn(u32) -> bool, F: FnMut(T, u32, f32, Vec3) -> T> Batches for Reflec
             state = (self.fold)(state, slot, d2[lane], power);
         }
         self.state = Some(state);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use photon_core::random::{SplitMix64, unit_f32};
+    use photon_core::{Backend as _, IndexKind, KdTreeBuilder as _, Material, MaterialKind, Photon, sampling};
+
+    use super::*;
+    use crate::cpu::Cpu;
+    use crate::map::{CpuBuilder, Powers};
+
+    /// As the trait does it by itself.
+    struct OneByOne<'a>(&'a Reflected<'a>);
+
+    impl PhotonPowers for OneByOne<'_> {
+        type Power = Vec3;
+
+        fn of(&self, map: &CpuMap, slot: u32) -> Vec3 {
+            self.0.of(map, slot)
+        }
+    }
+
+    /// Photons along a line, 1/64 apart, from directions around the normal; every third is not accepted by its normal.
+    fn map(count: usize) -> CpuMap {
+        let mut numbers = SplitMix64(11);
+        let mut number = || unit_f32(numbers.word() as u32);
+        let photons: Vec<Photon> = (0..count)
+            .map(|i| Photon {
+                position: [i as f32 / 64.0, 0.0, 0.0],
+                direction: octahedral::pack(sampling::about(Vec3::Z, 1.5 * number() - 0.5, number())),
+                power: [number(), number(), number()],
+                normal: octahedral::pack(if i % 3 == 0 { Vec3::X } else { Vec3::Z }),
+            })
+            .collect();
+        let mut on = Cpu::with_threads(1).unwrap();
+        let photons = on.upload("photons", &photons).unwrap();
+        CpuBuilder::new(IndexKind::Vvh).build(&mut on, photons).unwrap()
+    }
+
+    #[test]
+    fn sixteen_at_a_time_are_the_same_in_the_same_order() {
+        let map = map(200);
+        let Powers::Colour(powers) = map.powers() else { panic!("full photons have colours") };
+        let material = Material {
+            kind: MaterialKind::Glossy as u32,
+            albedo: [0.9, 0.5, 0.1],
+            metallic: 1.0,
+            roughness: 0.6,
+            ..Material::default()
+        };
+        let words = ReflectionLobe::pack(&material, &photon_core::Layers::NONE).0;
+        let lobe = ReflectionLobe::new(words, sampling::about(Vec3::Z, 0.7, 0.2), Vec3::Z);
+        let mut counts = Vec::new();
+        for mark in [None, Some(0), Some(1)] {
+            let reflected = Reflected { powers, lobe, mark };
+            // One more photon with each radius: none, one, 16 and 17 that are accepted among them.
+            for i in 0..60 {
+                let within = ([0.0, 0.01, 0.0], (i as f32 / 64.0).powi(2));
+                let accept = |slot: u32| map.normal(slot) == Vec3::Z;
+                let note = |mut all: Vec<(u32, u32, [u32; 3])>, slot, d2: f32, power: Vec3| {
+                    all.push((slot, d2.to_bits(), power.to_array().map(f32::to_bits)));
+                    all
+                };
+                let found = reflected.fold_within(&map, within, accept, Vec::new(), note);
+                let expected = OneByOne(&reflected).fold_within(&map, within, accept, Vec::new(), note);
+                assert_eq!(found, expected, "{mark:?} {i}");
+                counts.push(found.len());
+            }
+        }
+        assert!([0, 1, 16, 17, 32].iter().all(|count| counts.contains(count)), "{counts:?}");
     }
 }

@@ -1,19 +1,18 @@
-//! The choice of areas, radii and photons for a given time, by trials.
+//! The choice of areas, radii, photons and gather rays for a given time, by trials.
 
+mod compare;
 mod decide;
 mod forecast;
 mod trials;
 
 use super::Pipeline;
 use super::estimate::is_shown;
-use crate::backend::stages::View;
-use crate::backend::{Stage, TransportBackend};
+use crate::backend::TransportBackend;
 use crate::error::Result;
 use crate::radius::radii;
 use crate::scene::SceneView;
 use crate::settings::{Area, Bandwidth, CausticPhotons, Estimator};
 use decide::decide;
-use forecast::{Model, Trial, reference, variance, weights, with_gather_rays};
 
 /// What a setting of the estimates is expected to give.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,8 +59,8 @@ pub struct Choice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 // Exhaustive: a caller decides about each.
 pub struct Open {
-    /// [`crate::Settings::photons`], if radii are derived and shared, without a limit on memory, a given number of aimed paths and
-    /// final gathering.
+    /// [`crate::Settings::photons`], if radii are derived and shared, without a limit on memory, without a given number of aimed
+    /// paths, and without final gathering.
     pub photons: bool,
     /// [`crate::Settings::area`], if the settings have [`Area::Surface`], without final gathering.
     pub area: bool,
@@ -74,30 +73,6 @@ pub struct Open {
     pub gather_rays: bool,
 }
 
-/// Pictures of trials have this fraction of the width and of the height.
-const REDUCTION: u32 = 5;
-
-/// Least width and height of these pictures, if the picture has as many.
-const MIN_SIZE: u32 = 40;
-
-/// The whole picture is timed too if passes with each of the settings take less than this part of the time together: small
-/// pictures do not fill a GPU.
-const TIMED_PART: f64 = 0.1;
-
-/// Factors on radii that are tried, and those that may be chosen.
-const TRIED: [f64; 3] = [0.7, 1.4, 2.0];
-const POSSIBLE: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
-
-/// Numbers of gather rays that are tried, and those that may be chosen.
-const TRIED_RAYS: [u32; 2] = [1, 4];
-const POSSIBLE_RAYS: [u32; 3] = [1, 4, 16];
-
-/// [`TIMED_PART`] with final gathering, which takes more of it.
-const TIMED_PART_OF_RAYS: f64 = 0.01;
-
-/// Multiples of the number of paths that may be chosen.
-const MULTIPLES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
-
 impl Choice {
     /// No fewer paths are chosen: they would take hardly less time.
     pub const MIN_PHOTONS: u32 = 16_384;
@@ -106,10 +81,10 @@ impl Choice {
 impl<B: TransportBackend> Pipeline<B> {
     /// Compares the settings that are `open` for `seconds` of passes, and takes the best: afterwards the pipeline renders as if
     /// it had been made with them. The number of paths is not changed: if [`Choice::photons`] differs, a new pipeline has to be
-    /// made, whose preparation takes time from such candidates. `None`, and nothing changes, if there is nothing to choose:
-    /// without photon maps whose estimates are shown, or after the first pass. With final gathering only the number of its rays
-    /// is chosen; whether there is final gathering is a matter of other stages. The bias of what its rays find in maps is not
-    /// counted.
+    /// made, whose preparation takes time from such candidates. `None`, and nothing changes, if there is nothing to choose, or
+    /// after the first pass. With final gathering only the number of its rays is chosen, and the bias of what they find in maps
+    /// is not counted; without it, maps whose estimates are shown are necessary. Whether to use final gathering is not chosen:
+    /// that needs other stages.
     ///
     /// Two passes with all photons are rendered for a small part of the pixels, with other random numbers than those of the
     /// passes that count. The differences between the two give the variance; at the same visible points, the product of their
@@ -178,101 +153,5 @@ impl<B: TransportBackend> Pipeline<B> {
             self.bandwidth = Self::own_radii(&self.settings, &self.view);
         }
         Ok(())
-    }
-
-    /// The candidates by increasing error, and the seconds of a pass that are proportional to the number of paths.
-    fn compare(
-        &mut self,
-        scene: &SceneView<'_>,
-        seconds: f64,
-        (open, derived): (Open, bool),
-    ) -> Result<(Vec<Candidate>, f64)> {
-        let whole = self.view;
-        let reduced = |length: u32| (length / REDUCTION).max(MIN_SIZE).min(length);
-        let small = View { width: reduced(whole.width), height: reduced(whole.height), ..whole };
-        let areas: &[Area] = match (open.area, self.stages.area.is_some()) {
-            (true, _) => &[Area::Surface, Area::Disc],
-            (false, true) => &[Area::Surface],
-            (false, false) => &[Area::Disc],
-        };
-        // Radii tell the bias, even if none may be chosen.
-        let tried: &[f64] = if derived { &TRIED } else { &[1.0] };
-        let possible: &[f64] = if open.radius_factor { &POSSIBLE } else { &[1.0] };
-        let settings: Vec<(Area, f64)> =
-            areas.iter().flat_map(|&area| tried.iter().map(move |&factor| (area, factor))).collect();
-        let (rays, timed_part): (&[u32], f64) =
-            if open.gather_rays { (&TRIED_RAYS, TIMED_PART_OF_RAYS) } else { (&[], TIMED_PART) };
-        let mut film = self.on.film(scene, small.width, small.height)?;
-        if self.settings.errors {
-            self.on.keep_errors(&mut film)?;
-        }
-        std::mem::swap(&mut self.film, &mut film);
-        self.view = small;
-        let both = self.tried(0, rays, &settings).and_then(|first| Ok([first, self.tried(1, rays, &settings)?]));
-        std::mem::swap(&mut self.film, &mut film);
-        self.view = whole;
-        let [first, second] = both?;
-        let pixels = |view: View| f64::from(view.width) * f64::from(view.height);
-        let more = pixels(whole) / pixels(small);
-        // The lesser of two times: other programs only add to them. Until the whole picture is timed, the time for photons is
-        // taken to be proportional to the number of paths.
-        let (mut photons, look) = ([0.0, first.photons.min(second.photons)], first.look.min(second.look));
-        let radiance_of_others = first.others(&second);
-        let mut gathering: [f64; TRIED_RAYS.len()] =
-            std::array::from_fn(|number| first.gathering(number).min(second.gathering(number)) * more);
-        let sampled: [[Vec<f64>; 2]; TRIED_RAYS.len()] =
-            std::array::from_fn(|number| [first.sampled(number), second.sampled(number)]);
-        let mut trials: Vec<Trial> = settings
-            .iter()
-            .zip(first.shown.into_iter().zip(second.shown))
-            .map(|(&(area, factor), ((one, once), (two, again)))| Trial {
-                area,
-                factor,
-                passes: [one, two],
-                seconds: (look + once.min(again)) * more,
-            })
-            .collect();
-        let all = trials.iter().map(|trial| trial.seconds).chain(gathering).sum::<f64>();
-        if photons[1] + all < timed_part * seconds {
-            let timed = self.time_whole(rays, &settings)?;
-            photons = timed.photons;
-            gathering.iter_mut().zip(timed.gathering).for_each(|(gathering, seconds)| *gathering = seconds);
-            trials.iter_mut().zip(timed.shown).for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);
-        }
-        let Some(least) = trials.first() else { return Ok((Vec::new(), photons[1])) };
-        let weights = weights(least, &radiance_of_others);
-        let reference = reference(&trials);
-        let mut candidates = Vec::new();
-        let now = f64::from(self.settings.photons);
-        let multiples = MULTIPLES
-            .iter()
-            .filter(|&&more| more == 1.0 || open.photons && more * now >= f64::from(Choice::MIN_PHOTONS));
-        let multiples: Vec<f64> = multiples.copied().collect();
-        // A new pipeline is prepared, with kernels that are compiled.
-        let preparation = self.setup.total() - self.setup.get(Stage::Compile);
-        let variances = sampled.each_ref().map(|both| variance(both, &weights));
-        let tried = std::array::from_fn(|number| (TRIED_RAYS[number], [variances[number], gathering[number]]));
-        // The numbers of gather rays, the variance that does not depend on photons, and the seconds of the rays.
-        let others: Vec<(Option<u32>, [f64; 2])> = match open.gather_rays {
-            true => POSSIBLE_RAYS.iter().map(|&rays| (Some(rays), with_gather_rays(tried, rays))).collect(),
-            false => vec![(None, [variances[0], 0.0])],
-        };
-        for (&(gather_rays, [others, gathering]), &area) in
-            others.iter().flat_map(|each| areas.iter().map(move |area| (each, area)))
-        {
-            let of_area: Vec<&Trial> = trials.iter().filter(|trial| trial.area == area).collect();
-            let photons = [photons[0] + gathering, photons[1]];
-            let model = Model::new(&of_area, &reference, others, &weights, photons, self.settings.alpha);
-            for &more in &multiples {
-                let photons = (more * now).min(f64::from(u32::MAX)) as u32;
-                let seconds = if more == 1.0 { seconds } else { (seconds - preparation).max(0.0) };
-                candidates.extend(possible.iter().map(|&radius_factor| {
-                    let [seconds, error, direct_error] = model.forecast(more, radius_factor, seconds);
-                    Candidate { photons, area, radius_factor, gather_rays, seconds, error, direct_error }
-                }));
-            }
-        }
-        candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
-        Ok((candidates, photons[1]))
     }
 }

@@ -120,8 +120,7 @@ impl Row<'_> {
 #[inline(always)]
 fn row_of(entries: &[[f32; 2]], roughness: f32) -> Row<'_> {
     let (row, down) = place(roughness);
-    let entries =
-        entries[row * SIZE..].first_chunk().expect("`place` leaves a row below, and means follow the last one");
+    let entries = entries[row * SIZE..].first_chunk().expect("`place` returns a row with another one after it");
     Row { entries, down }
 }
 

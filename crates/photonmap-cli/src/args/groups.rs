@@ -115,7 +115,7 @@ pub struct BudgetArgs {
     ///
     /// Passes are rendered until the time is used up. Unless --preset, --passes or a target is given, --photons, --area,
     /// --radius-factor and --bandwidth are chosen by trials in the scene, and reported as options (`photonmap explain` shows
-    /// them without rendering). With --errors, --area and --bandwidth are those of the preset `final`, and --photons is two per
+    /// them without rendering); if 8 seconds are left after preparation, --indirect and --gather-rays too. With --errors, --area and --bandwidth are those of the preset `final`, and --photons is two per
     /// pixel, at most 200k; under an environment an eighth of that if photons bring little of the light.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
@@ -223,7 +223,7 @@ pub struct LightArgs {
     /// Direct light: by shadow rays (next event estimation), from a photon map, or none.
     #[arg(long, default_value = "nee", value_parser = choice::<Direct>(Direct::ALL.map(Direct::name)), hide_short_help = true)]
     pub direct: Direct,
-    /// Indirect light: from the global photon map, by final gathering, or none [default: map].
+    /// Indirect light: from the global photon map, by final gathering, or none [default: map, or chosen for --time].
     #[arg(long, value_parser = choice::<Indirect>(Indirect::ALL.map(Indirect::name)), hide_short_help = true)]
     pub indirect: Option<Indirect>,
     /// Shadow rays per visible point and pass [default: 2].
@@ -234,7 +234,7 @@ pub struct LightArgs {
     /// Coarse meshes then have a blocky edge of the shadow on their own dark side, as light by photons has.
     #[arg(long, hide_short_help = true)]
     pub no_terminator_offset: bool,
-    /// Final-gather rays per visible point and pass [default: 8].
+    /// Final-gather rays per visible point and pass [default: 8, or chosen for --time].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub gather_rays: Option<u32>,
     /// Precompute irradiance at every N-th photon, for final-gather rays to look up.

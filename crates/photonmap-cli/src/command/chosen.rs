@@ -158,7 +158,7 @@ impl TimedSettings {
                 // Rays of final gathering; null where indirect light is read from a map.
                 "gather_rays": candidate.gather_rays,
                 "error": candidate.error.sqrt(),
-                // What of it is noise of direct light and camera paths.
+                // What of it is not by photons at visible points: noise of direct light, camera paths and gather rays.
                 "direct_error": candidate.direct_error.sqrt(),
                 "seconds_per_pass": candidate.seconds,
             })).collect::<Vec<_>>(),

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use photon_core::{
-    Bandwidth, Choice, Indirect, Open, Pipeline, Render as _, Settings, Stage, StageTimings, TransportBackend, View,
+    Bandwidth, Candidate, Choice, Indirect, Open, Pipeline, Render as _, Settings, TransportBackend, View,
 };
 use photon_scene::Scene;
 
@@ -11,37 +11,40 @@ use crate::args::SettingsArgs;
 use crate::command::timed;
 use crate::fault::Fault;
 
-/// Below this, trials of gather rays and compiling their kernels would take too much of the time.
+/// With less time left, trials of gather rays and compiling their kernels would take too much of it.
 const MIN_SECONDS: f64 = 8.0;
 
-/// They need two more pipelines, whose preparation must take at most this part of the time.
-const MAX_PREPARATION: f64 = 0.05;
+/// The preparation of two more pipelines, and trials like those that were made, must take at most this part of the time.
+const MAX_COST: f64 = 0.1;
 
-/// Reading the map has to make up this part of its forecast error: gather rays do not change the rest.
+/// Estimates from maps have to make up this part of the forecast error: gather rays do not change the rest.
 const MIN_MAP_SHARE: f64 = 0.5;
 
 /// Final gathering is chosen if its error is less than this part of the other: forecasts of both are not exact.
-const CLEARLY_LESS: f64 = 0.5;
+const MUCH_LESS: f64 = 0.5;
 
-/// The same where each pixel would have a radius of its own: forecasts of the error are with shared radii, which were up to four times
-/// too large for it.
-const CLEARLY_LESS_PER_PIXEL: f64 = 0.25;
+/// The same where each pixel would have a radius of its own. Forecasts assume shared radii, and were up to four times the
+/// error that was measured.
+const MUCH_LESS_PER_PIXEL: f64 = 0.25;
 
-/// Whether final gathering could be better than what was chosen for these seconds, and whether trying it takes a small part of
-/// them.
+/// Whether final gathering could be better than what was chosen for these seconds, and whether finding out takes a small part of
+/// them: `preparation` is that of a pipeline, `trials` what the present choice took.
 pub(super) fn is_worth_trying(
     args: &SettingsArgs,
     settings: &Settings,
-    setup: &StageTimings,
     (choice, seconds): (&Choice, f64),
+    [preparation, trials]: [f64; 2],
 ) -> bool {
     let is_open = args.light.indirect.is_none() && args.light.gather_rays.is_none();
-    let is_possible = settings.indirect == Indirect::Map && settings.memory.is_none();
-    let preparation = 2.0 * (setup.total() - setup.get(Stage::Compile));
+    // What final gathering cannot have may have been asked for.
+    let is_possible = settings.indirect == Indirect::Map
+        && settings.memory.is_none()
+        && settings.bandwidth == Bandwidth::Shared
+        && !settings.errors;
     is_open
         && is_possible
         && seconds >= MIN_SECONDS
-        && preparation <= MAX_PREPARATION * seconds
+        && 2.0 * preparation + trials <= MAX_COST * seconds
         && choice.candidates.first().is_some_and(|best| best.error - best.direct_error > MIN_MAP_SHARE * best.error)
 }
 
@@ -54,7 +57,7 @@ pub(super) fn choose<B: TransportBackend>(
     (args, begun): (&SettingsArgs, Instant),
     (scene, view): (&Scene, View),
     settings: Settings,
-    choice: Choice,
+    mut choice: Choice,
 ) -> Result<(Pipeline<B>, Settings, Option<Choice>), Fault> {
     let time = args.budget.time.unwrap_or_default();
     let left = || (time - begun.elapsed().as_secs_f64()).max(0.0);
@@ -63,16 +66,47 @@ pub(super) fn choose<B: TransportBackend>(
     let mut renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, gathers.clone())?;
     let open = Open { photons: false, area: false, radius_factor: false, bandwidth: false, gather_rays: true };
     let other = renderer.choose(&scene.view(), left(), open)?;
-    let error = |choice: &Choice| choice.candidates.first().map(|best| best.error);
-    let limit = if choice.bandwidth == Bandwidth::PerPixel { CLEARLY_LESS_PER_PIXEL } else { CLEARLY_LESS };
-    let Some(mut other) = other.filter(|other| error(other) < error(&choice).map(|error| limit * error)) else {
-        let (chosen, _) = timed::with_choice(args, settings, &choice, (photons, view, left()));
-        let renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, chosen.clone())?;
-        return Ok((renderer, chosen, Some(choice)));
-    };
-    let chosen = Settings { gather_rays: other.gather_rays.unwrap_or(gathers.gather_rays), ..gathers };
-    // What maps were expected to give is of interest too.
-    other.candidates.extend(choice.candidates);
-    other.candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
-    Ok((renderer, chosen, Some(other)))
+    let least = |choice: &Choice| choice.candidates.first().map(|best| best.error);
+    let errors = other.as_ref().and_then(least).zip(least(&choice));
+    let is_better = errors.is_some_and(|(gathered, by_map)| is_much_less(gathered, by_map, choice.bandwidth));
+    match other {
+        Some(mut other) if is_better => {
+            let chosen = Settings { gather_rays: other.gather_rays.unwrap_or(gathers.gather_rays), ..gathers };
+            add(&mut other.candidates, choice.candidates);
+            Ok((renderer, chosen, Some(other)))
+        }
+        other => {
+            let (chosen, _) = timed::with_choice(args, settings, &choice, (photons, view, left()));
+            let renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, chosen.clone())?;
+            add(&mut choice.candidates, other.map_or_else(Vec::new, |other| other.candidates));
+            Ok((renderer, chosen, Some(choice)))
+        }
+    }
+}
+
+/// Whether the error of final gathering is much less than that of maps, if these would be read with this kind of radii.
+fn is_much_less(gathered: f64, by_map: f64, bandwidth: Bandwidth) -> bool {
+    gathered < by_map * if bandwidth == Bandwidth::PerPixel { MUCH_LESS_PER_PIXEL } else { MUCH_LESS }
+}
+
+/// All that were compared, by increasing error.
+fn add(to: &mut Vec<Candidate>, others: Vec<Candidate>) {
+    to.extend(others);
+    to.sort_by(|a, b| a.error.total_cmp(&b.error));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn final_gathering_has_to_be_much_better() {
+        for (bandwidth, part) in [(Bandwidth::Shared, 0.5), (Bandwidth::PerPixel, 0.25)] {
+            assert!(
+                is_much_less(0.99 * part * 3.0, 3.0, bandwidth) && !is_much_less(1.01 * part * 3.0, 3.0, bandwidth)
+            );
+            // Forecasts that are not numbers decide nothing.
+            assert!(!is_much_less(f64::NAN, 3.0, bandwidth) && !is_much_less(1.0, f64::NAN, bandwidth));
+        }
+    }
 }

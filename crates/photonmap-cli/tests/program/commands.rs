@@ -70,14 +70,21 @@ fn explain_tells_what_is_left_out() {
     let rooms = |options: &[&str]| {
         stdout(&run("explain", &[&["two-rooms", "--size", "48x48", "--backend", "cpu"], options].concat()))
     };
-    let gathered = rooms(&["--time", "30"]);
+    let gathered = rooms(&["--time", "600"]);
     let line = gathered.lines().find(|line| line.contains("--passes")).unwrap();
     assert!(line.contains("--indirect gather --gather-rays "), "{gathered}");
     // The options are valid ones, of which those of final gathering have an effect.
     let options: Vec<&str> = line.split_whitespace().collect();
     let passes = options.iter().position(|option| *option == "--passes").unwrap();
-    assert!(rooms(&options[..passes]).contains("final gathering"), "{line}");
-    for options in [["--time", "30", "--indirect", "map"].as_slice(), &["--time", "5"], &["--time", "30", "--errors"]] {
+    let explained = rooms(&options[..passes]);
+    assert!(explained.split_once("left out:").unwrap().0.contains("final gathering"), "{line}");
+    let others: [&[&str]; 4] = [
+        &["--time", "600", "--indirect", "map"],
+        &["--time", "7"],
+        &["--time", "600", "--errors"],
+        &["--time", "600", "--bandwidth", "per-pixel"],
+    ];
+    for options in others {
         assert!(!rooms(options).contains("--indirect gather"), "{options:?}");
     }
     // Glossy surfaces have a hint how to do without them.

@@ -68,8 +68,8 @@ pub(super) struct Model {
 
 impl Model {
     /// From the trials of one kind of areas, by increasing factor; `reference` is the radiance that they are compared with
-    /// ([`reference`]), `others` the variance that does not depend on photons, and `photons` the seconds until there are photon maps: fixed ones, and those that are
-    /// proportional to the number of paths.
+    /// ([`reference`]), `others` the variance that is not by photons at visible points, and `photons` the seconds of a pass
+    /// before these estimates: fixed ones, and those that are proportional to the number of paths.
     pub(super) fn new(
         trials: &[&Trial],
         reference: &[Vec<f64>; 2],
@@ -169,12 +169,12 @@ pub(super) fn variance([one, two]: &[Vec<f64>; 2], weights: &[f64]) -> f64 {
     weighted_mean(weights, |i| 0.5 * (one[i] - two[i]).powi(2))
 }
 
-/// The variance and the seconds with `rays` gather rays, from those with two other numbers of rays. Rays are independent, so that
-/// a part of the variance is as the reciprocal of their number, and a part of the time as their number.
+/// The variance and the seconds with `rays` gather rays, from those with two other numbers of rays. A part of the variance is as the
+/// reciprocal of their number, as if rays were independent (they are stratified by height), and a part of the time as their number.
 pub(super) fn with_gather_rays(tried: [(u32, [f64; 2]); 2], rays: u32) -> [f64; 2] {
     let [(few, [noisy, fast]), (many, [quiet, slow])] = tried.map(|(rays, found)| (f64::from(rays), found));
     let rays = f64::from(rays);
-    let of_rays = ((noisy - quiet) / (few.recip() - many.recip())).clamp(0.0, quiet * many);
+    let of_rays = ((noisy - quiet) / (few.recip() - many.recip())).max(0.0).min(quiet * many);
     let second = ((slow - fast) / (many - few)).max(0.0);
     [quiet + of_rays * (rays.recip() - many.recip()), (slow + second * (rays - many)).max(0.0)]
 }
@@ -306,7 +306,7 @@ mod tests {
 
     /// Variance 3 + 8/rays, and 5 + 2 rays seconds; more noise with more rays is not believed.
     #[test]
-    fn gather_rays_are_independent() {
+    fn more_gather_rays_have_less_noise_and_take_longer() {
         let of = |rays: u32| [3.0 + 8.0 / f64::from(rays), 5.0 + 2.0 * f64::from(rays)];
         for rays in [1, 2, 4, 16] {
             let found = with_gather_rays([(1, of(1)), (4, of(4))], rays);

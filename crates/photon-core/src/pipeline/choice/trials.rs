@@ -21,7 +21,7 @@ pub(super) struct Tried {
     direct: Vec<f64>,
     /// Light that was found by each number of gather rays, and its seconds.
     gathered: Vec<(Vec<f64>, f64)>,
-    /// The same by photons, and the seconds of the estimates.
+    /// The radiance of each pixel by photons at visible points, and the seconds of these estimates.
     pub(super) shown: Vec<(Vec<f64>, f64)>,
 }
 
@@ -92,8 +92,14 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(Tried { photons, look, emission: sum(&seen, &[Layer::Emission]), direct, gathered, shown })
     }
 
-    /// What a pass with the whole picture takes; nothing is added to the film.
+    /// What a pass with the whole picture takes; nothing is added to the film, even after an error.
     pub(super) fn time_whole(&mut self, rays: &[u32], settings: &[(Area, f64)]) -> Result<Timed> {
+        let timed = self.timed_pass(rays, settings);
+        self.on.abandon_pass(&mut self.film)?;
+        timed
+    }
+
+    fn timed_pass(&mut self, rays: &[u32], settings: &[(Area, f64)]) -> Result<Timed> {
         let paths = self.settings.photons;
         let few = (paths / 4).max(1);
         let (maps, _, seconds_few) = self.timed_maps(0, few)?;
@@ -107,7 +113,6 @@ impl<B: TransportBackend> Pipeline<B> {
             rays.iter().map(|&rays| self.timed_gathering((&maps, sent), 0, rays)).collect();
         let shown: Result<Vec<f64>> =
             settings.iter().map(|&setting| self.timed_estimates(&mut maps, setting)).collect();
-        self.on.abandon_pass(&mut self.film)?;
         self.reclaim_maps(maps);
         Ok(Timed { photons: [seconds - proportional, proportional], look, gathering: gathering?, shown: shown? })
     }

@@ -1,0 +1,159 @@
+//! The candidates of a choice, with what trials say about each.
+
+use super::super::Pipeline;
+use super::forecast::{Model, Trial, reference, variance, weights, with_gather_rays};
+use super::{Candidate, Choice, Open};
+use crate::backend::TransportBackend;
+use crate::backend::stages::View;
+use crate::error::Result;
+use crate::scene::SceneView;
+use crate::settings::Area;
+
+/// Pictures of trials have this fraction of the width and of the height.
+const REDUCTION: u32 = 5;
+
+/// Least width and height of these pictures, if the picture has as many.
+const MIN_SIZE: u32 = 40;
+
+/// The whole picture is timed too if passes with each of the settings take less than this part of the time together: small
+/// pictures do not fill a GPU.
+const TIMED_PART: f64 = 0.1;
+
+/// Factors on radii that are tried, and those that may be chosen.
+const TRIED_FACTORS: [f64; 3] = [0.7, 1.4, 2.0];
+const POSSIBLE_FACTORS: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
+
+/// Numbers of gather rays that are tried, and those that may be chosen.
+const TRIED_RAYS: [u32; 2] = [1, 4];
+const POSSIBLE_RAYS: [u32; 3] = [1, 4, 16];
+
+/// [`TIMED_PART`] with final gathering: gather rays of a small picture fill a GPU, and for a CPU they are long.
+const TIMED_PART_OF_RAYS: f64 = 0.01;
+
+/// Multiples of the number of paths that may be chosen.
+const MULTIPLES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
+
+/// What two passes of a small picture, with the same settings of estimates and of gather rays, gave and took.
+struct Measured {
+    /// For each setting of the estimates.
+    trials: Vec<Trial>,
+    /// For each number of gather rays, or once without any: direct light by shadow rays, and light by gather rays, in the two passes.
+    sampled: Vec<[Vec<f64>; 2]>,
+    /// Seconds of the gather rays of a pass, for each number of them.
+    gathering: Vec<f64>,
+    /// The mean radiance of each pixel without that by photons at visible points.
+    others: Vec<f64>,
+    /// Seconds of a pass until there are photon maps: fixed, and proportional to the number of paths.
+    photons: [f64; 2],
+}
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// The candidates by increasing error, and the seconds of a pass that are proportional to the number of paths.
+    pub(super) fn compare(
+        &mut self,
+        scene: &SceneView<'_>,
+        seconds: f64,
+        (open, derived): (Open, bool),
+    ) -> Result<(Vec<Candidate>, f64)> {
+        let areas: &[Area] = match (open.area, self.stages.area.is_some()) {
+            (true, _) => &[Area::Surface, Area::Disc],
+            (false, true) => &[Area::Surface],
+            (false, false) => &[Area::Disc],
+        };
+        // Radii tell the bias, even if none may be chosen.
+        let tried: &[f64] = if derived { &TRIED_FACTORS } else { &[1.0] };
+        let possible: &[f64] = if open.radius_factor { &POSSIBLE_FACTORS } else { &[1.0] };
+        let settings: Vec<(Area, f64)> =
+            areas.iter().flat_map(|&area| tried.iter().map(move |&factor| (area, factor))).collect();
+        let Measured { trials, sampled, gathering, others, photons } =
+            self.measure(scene, seconds, open.gather_rays, &settings)?;
+        let Some(least) = trials.first() else { return Ok((Vec::new(), photons[1])) };
+        let weights = weights(least, &others);
+        let reference = reference(&trials);
+        let now = f64::from(self.settings.photons);
+        let multiples = MULTIPLES
+            .iter()
+            .filter(|&&more| more == 1.0 || open.photons && more * now >= f64::from(Choice::MIN_PHOTONS));
+        let multiples: Vec<f64> = multiples.copied().collect();
+        // Numbers of gather rays, the variance of a pass that is not by photons, and the seconds of the rays.
+        let noise: Vec<f64> = sampled.iter().map(|both| variance(both, &weights)).collect();
+        let by_rays: Vec<(Option<u32>, [f64; 2])> = match (noise.as_slice(), gathering.as_slice()) {
+            (&[few, many], &[fast, slow]) if open.gather_rays => {
+                let tried = [(TRIED_RAYS[0], [few, fast]), (TRIED_RAYS[1], [many, slow])];
+                POSSIBLE_RAYS.iter().map(|&rays| (Some(rays), with_gather_rays(tried, rays))).collect()
+            }
+            _ => noise.iter().map(|&noise| (None, [noise, 0.0])).collect(),
+        };
+        let mut candidates = Vec::new();
+        for (&(gather_rays, [noise, gathering]), &area) in
+            by_rays.iter().flat_map(|each| areas.iter().map(move |area| (each, area)))
+        {
+            let of_area: Vec<&Trial> = trials.iter().filter(|trial| trial.area == area).collect();
+            let photons = [photons[0] + gathering, photons[1]];
+            let model = Model::new(&of_area, &reference, noise, &weights, photons, self.settings.alpha);
+            for &more in &multiples {
+                let photons = (more * now).min(f64::from(u32::MAX)) as u32;
+                // For another number a new pipeline is prepared; its kernels are compiled already.
+                let seconds = if more == 1.0 { seconds } else { (seconds - self.setup.total()).max(0.0) };
+                candidates.extend(possible.iter().map(|&radius_factor| {
+                    let [seconds, error, direct_error] = model.forecast(more, radius_factor, seconds);
+                    Candidate { photons, area, radius_factor, gather_rays, seconds, error, direct_error }
+                }));
+            }
+        }
+        candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
+        Ok((candidates, photons[1]))
+    }
+
+    /// Renders the trials, and times passes of the whole picture if these take little of the `seconds`.
+    fn measure(
+        &mut self,
+        scene: &SceneView<'_>,
+        seconds: f64,
+        gathers: bool,
+        settings: &[(Area, f64)],
+    ) -> Result<Measured> {
+        let whole = self.view;
+        let reduced = |length: u32| (length / REDUCTION).max(MIN_SIZE).min(length);
+        let small = View { width: reduced(whole.width), height: reduced(whole.height), ..whole };
+        let (rays, timed_part): (&[u32], f64) =
+            if gathers { (&TRIED_RAYS, TIMED_PART_OF_RAYS) } else { (&[], TIMED_PART) };
+        let mut film = self.on.film(scene, small.width, small.height)?;
+        if self.settings.errors {
+            self.on.keep_errors(&mut film)?;
+        }
+        std::mem::swap(&mut self.film, &mut film);
+        self.view = small;
+        let both = self.tried(0, rays, settings).and_then(|first| Ok([first, self.tried(1, rays, settings)?]));
+        std::mem::swap(&mut self.film, &mut film);
+        self.view = whole;
+        let [first, second] = both?;
+        let pixels = |view: View| f64::from(view.width) * f64::from(view.height);
+        let more = pixels(whole) / pixels(small);
+        // The lesser of two times: other programs only add to them. Until the whole picture is timed, the time for photons is
+        // taken to be proportional to the number of paths.
+        let (mut photons, look) = ([0.0, first.photons.min(second.photons)], first.look.min(second.look));
+        let mut gathering: Vec<f64> =
+            (0..rays.len()).map(|number| first.gathering(number).min(second.gathering(number)) * more).collect();
+        let sampled = (0..rays.len().max(1)).map(|number| [first.sampled(number), second.sampled(number)]).collect();
+        let others = first.others(&second);
+        let mut trials: Vec<Trial> = settings
+            .iter()
+            .zip(first.shown.into_iter().zip(second.shown))
+            .map(|(&(area, factor), ((one, once), (two, again)))| Trial {
+                area,
+                factor,
+                passes: [one, two],
+                seconds: (look + once.min(again)) * more,
+            })
+            .collect();
+        let all = trials.iter().map(|trial| trial.seconds).chain(gathering.iter().copied()).sum::<f64>();
+        if photons[1] + all < timed_part * seconds {
+            let timed = self.time_whole(rays, settings)?;
+            photons = timed.photons;
+            gathering = timed.gathering;
+            trials.iter_mut().zip(timed.shown).for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);
+        }
+        Ok(Measured { trials, sampled, gathering, others, photons })
+    }
+}

@@ -57,6 +57,24 @@ pub(super) struct Parameters {
     pub(super) textures: TexturesDesc,
 }
 
+impl Parameters {
+    /// What is left of an unlit material: its base colour and its alpha, which `KHR_materials_unlit` shows alone.
+    fn without_shading(self) -> Self {
+        let TexturesDesc { base_color, alpha, .. } = self.textures;
+        Self {
+            specular_color: [1.0; 3],
+            clearcoat: [0.0; 2],
+            anisotropy: [0.0; 2],
+            diffuse_transmission: 0.0,
+            sheen_color: [0.0; 3],
+            transmission: 0.0,
+            emission: [0.0; 3],
+            textures: TexturesDesc { base_color, alpha, ..TexturesDesc::default() },
+            ..self
+        }
+    }
+}
+
 /// Reads the material; the losses of its textures are reported under `subject`.
 pub(super) fn read(
     root: &Root,
@@ -206,7 +224,7 @@ pub(super) fn read(
     let sheen = means.image(slot("sheenColorTexture"), SHEEN_COLOR)?;
     let rough_sheen = means.image(slot("sheenRoughnessTexture"), SHEEN_ROUGHNESS)?;
     let even_sheen = rough_sheen.filter(|rough| rough.used.is_none()).map_or(1.0, |rough| rough.mean.alpha);
-    Ok(Parameters {
+    let parameters = Parameters {
         sheen_color: times(sheen_color, sheen.and_then(|sheen| sheen.color())),
         sheen_roughness: sheen_roughness * even_sheen,
         diffuse_transmission: share * even_share,
@@ -248,7 +266,8 @@ pub(super) fn read(
             sheen_color: sheen.and_then(|sheen| sheen.used),
             sheen_roughness: rough_sheen.and_then(|rough| rough.used),
         },
-    })
+    };
+    Ok(if parameters.is_unlit { parameters.without_shading() } else { parameters })
 }
 
 /// Extension of materials.

@@ -219,8 +219,16 @@ fn what_has_no_counterpart_is_named() {
     for text in ["KHR_materials_iridescence", "KHR_materials_dispersion", "occlusion"] {
         assert!(says(&report, "material 'it'", text), "{text}: {report}");
     }
-    let (unlit, report) = read(r#""extensions": {"KHR_materials_unlit": {}}"#);
-    assert!(matches!(unlit.surface, Surface::Lambert { .. }) && says(&report, "it", "unlit"));
+    // Of an unlit material nothing but the base colour is left.
+    let base = r#""pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 1]}"#;
+    let more = r#""KHR_materials_clearcoat": {"clearcoatFactor": 1}, "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]}, "KHR_materials_anisotropy": {"anisotropyStrength": 1}, "KHR_materials_transmission": {"transmissionFactor": 1}"#;
+    let (unlit, report) =
+        read(&format!(r#"{base}, "emissiveFactor": [1, 1, 1], "extensions": {{"KHR_materials_unlit": {{}}, {more}}}"#));
+    assert_eq!(
+        unlit,
+        MaterialDesc { emits_both_sides: unlit.emits_both_sides, ..MaterialDesc::lambert("it", [0.5, 0.25, 0.125]) }
+    );
+    assert!(says(&report, "it", "unlit"));
 }
 
 #[test]

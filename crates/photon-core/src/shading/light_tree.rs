@@ -63,7 +63,7 @@ impl LightNode {
     /// Estimated irradiance on a surface at `position` from all lights of the node: intensity times cosine at the
     /// surface times cosine at the lights, each for the most favourable direction that the bounds allow, divided by
     /// the squared distance of the centre, at least [`MIN_DISTANCE_SHARE`] of the squared half diagonal.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn importance(&self, position: Vec3, normal: Vec3) -> f32 {
         let [spread, emission] = [self.cone, self.cone >> 16].map(|half| f32::from(half as u16 as i16));
@@ -146,13 +146,14 @@ impl Angle {
 #[inline]
 #[must_use]
 pub fn threshold(children: [&LightNode; 2], position: Vec3, normal: Vec3) -> u32 {
-    let [mut first, mut second] = children.map(|node| node.importance(position, normal));
+    // Not by `map`, which would call a function for each of them.
+    let (mut first, mut second) = (children[0].importance(position, normal), children[1].importance(position, normal));
     let usable = |sum: f32| (f32::MIN_POSITIVE..=f32::MAX).contains(&sum);
     if !usable(first + second) {
-        [first, second] = children.map(|node| node.intensity);
+        (first, second) = (children[0].intensity, children[1].intensity);
     }
     if !usable(first + second) {
-        [first, second] = [1.0; 2];
+        (first, second) = (1.0, 1.0);
     }
     // The smaller part is divided: 1 minus a rounded quotient near 1 would have few correct digits.
     let words = |part: f32| (part / (first + second) * 4_294_967_296.0).max(1.0) as u32;

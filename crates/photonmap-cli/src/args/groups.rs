@@ -115,8 +115,9 @@ pub struct BudgetArgs {
     ///
     /// Passes are rendered until the time is used up. Unless --preset, --passes or a target is given, --photons, --area,
     /// --radius-factor and --bandwidth are chosen by trials in the scene, and reported as options (`photonmap explain` shows
-    /// them without rendering); if 8 seconds are left after preparation, --indirect and --gather-rays too. With --errors, --area and --bandwidth are those of the preset `final`, and --photons is two per
-    /// pixel, at most 200k; under an environment an eighth of that if photons bring little of the light.
+    /// them without rendering); if 4 seconds are left after preparation, --indirect and --gather-rays too. With --errors,
+    /// --area and --bandwidth are those of the preset `final`, and --photons is two per pixel, at most 200k; under an
+    /// environment an eighth of that if photons bring little of the light.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Stop at this relative error, such as 0.05.

@@ -11,8 +11,8 @@ use crate::args::SettingsArgs;
 use crate::command::timed;
 use crate::fault::Fault;
 
-/// With less time left, trials of gather rays and compiling their kernels would take too much of it.
-const MIN_SECONDS: f64 = 8.0;
+/// With less time left, passes would be too few for their noise.
+const MIN_SECONDS: f64 = 4.0;
 
 /// The preparation of two more pipelines, and trials like those that were made, must take at most this part of the time.
 const MAX_COST: f64 = 0.1;

@@ -80,7 +80,7 @@ fn explain_tells_what_is_left_out() {
     assert!(explained.split_once("left out:").unwrap().0.contains("final gathering"), "{line}");
     let others: [&[&str]; 4] = [
         &["--time", "600", "--indirect", "map"],
-        &["--time", "7"],
+        &["--time", "3"],
         &["--time", "600", "--errors"],
         &["--time", "600", "--bandwidth", "per-pixel"],
     ];

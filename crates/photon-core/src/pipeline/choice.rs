@@ -29,7 +29,7 @@ pub struct Candidate {
     /// Seconds of a pass.
     pub seconds: f64,
     /// Squared relative error after the given time: the mean over pixels of the squared error, divided by the squared radiance
-    /// and a hundredth of the squared mean radiance.
+    /// and a hundredth of the squared mean radiance. Bias counts with what may be hidden by noise.
     pub error: f64,
     /// The part of `error` that is not by photons at visible points: noise of direct light, camera paths and gather rays.
     pub direct_error: f64,
@@ -74,6 +74,15 @@ pub struct Open {
 }
 
 impl Choice {
+    /// The candidate that was chosen; where each pixel has its own radius, the best that is like it otherwise.
+    #[must_use]
+    pub fn chosen(&self) -> Option<&Candidate> {
+        self.candidates.iter().find(|each| {
+            (each.photons, each.area, each.gather_rays) == (self.photons, self.area, self.gather_rays)
+                && (each.radius_factor == self.radius_factor || self.bandwidth == Bandwidth::PerPixel)
+        })
+    }
+
     /// No fewer paths are chosen: they would take hardly less time.
     pub const MIN_PHOTONS: u32 = 16_384;
 }

@@ -114,12 +114,7 @@ impl TimedSettings {
                 self.options()
             );
         };
-        let of_choice = |each: &&Candidate| {
-            (each.photons, each.area, each.gather_rays) == (choice.photons, choice.area, choice.gather_rays)
-                && (each.radius_factor == choice.radius_factor || choice.bandwidth == Bandwidth::PerPixel)
-        };
-        let chosen = choice.candidates.iter().find(of_choice);
-        let passes = chosen.map_or(1.0, |chosen| ((self.seconds - self.trials) / chosen.seconds).max(1.0));
+        let passes = choice.chosen().map_or(1.0, |chosen| ((self.seconds - self.trials) / chosen.seconds).max(1.0));
         let mut text = format!("\nchosen by trials of {:.1} s, in place of --time:\n", self.trials);
         let _ = writeln!(text, "  {} --passes {passes:.0}", self.options());
         if choice.bandwidth == Bandwidth::PerPixel {
@@ -127,7 +122,8 @@ impl TimedSettings {
         }
         let _ =
             writeln!(text, "\nforecasts of the relative error with one radius for each map, and seconds of a pass:");
-        for candidate in choice.candidates.iter().take(SHOWN) {
+        let gathered = choice.candidates.iter().skip(SHOWN).find(|each| each.gather_rays.is_some());
+        for candidate in choice.candidates.iter().take(SHOWN).chain(gathered) {
             let (area, factor, error) =
                 (candidate.area.name(), candidate.radius_factor, 100.0 * candidate.error.sqrt());
             let gathered =

@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use photon_core::{
-    Bandwidth, Candidate, Choice, Indirect, Open, Pipeline, Render as _, Settings, TransportBackend, View,
+    Bandwidth, Candidate, Choice, Indirect, Open, Pipeline, Render as _, Settings, Stage, StageTimings,
+    TransportBackend, View,
 };
 use photon_scene::Scene;
 
@@ -28,12 +29,12 @@ const MUCH_LESS: f64 = 0.5;
 const MUCH_LESS_PER_PIXEL: f64 = 0.25;
 
 /// Whether final gathering could be better than what was chosen for these seconds, and whether finding out takes a small part of
-/// them: `preparation` is that of a pipeline, `trials` what the present choice took.
+/// them: `setup` is that of a pipeline, and `trials` are the seconds that the present choice took.
 pub(super) fn is_worth_trying(
     args: &SettingsArgs,
     settings: &Settings,
     (choice, seconds): (&Choice, f64),
-    [preparation, trials]: [f64; 2],
+    (setup, trials): (&StageTimings, f64),
 ) -> bool {
     let is_open = args.light.indirect.is_none() && args.light.gather_rays.is_none();
     // What final gathering cannot have may have been asked for.
@@ -41,11 +42,19 @@ pub(super) fn is_worth_trying(
         && settings.memory.is_none()
         && settings.bandwidth == Bandwidth::Shared
         && !settings.errors;
-    is_open
-        && is_possible
-        && seconds >= MIN_SECONDS
-        && 2.0 * preparation + trials <= MAX_COST * seconds
-        && choice.candidates.first().is_some_and(|best| best.error - best.direct_error > MIN_MAP_SHARE * best.error)
+    // Its kernels are not compiled yet: about as long as those of the present pipeline.
+    let cost = 2.0 * setup.total() + setup.get(Stage::Compile) + trials;
+    let may_help = choice.chosen().is_some_and(|chosen| is_by_maps(chosen.error, chosen.direct_error));
+    is_open && is_possible && is_affordable(cost, seconds) && may_help
+}
+
+fn is_affordable(cost: f64, seconds: f64) -> bool {
+    seconds >= MIN_SECONDS && cost <= MAX_COST * seconds
+}
+
+/// Whether enough of an error is by estimates from maps.
+fn is_by_maps(error: f64, direct_error: f64) -> bool {
+    error - direct_error > MIN_MAP_SHARE * error
 }
 
 /// Tries final gathering, and takes it or what was chosen with maps. The renderer is made anew.
@@ -66,8 +75,8 @@ pub(super) fn choose<B: TransportBackend>(
     let mut renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, gathers.clone())?;
     let open = Open { photons: false, area: false, radius_factor: false, bandwidth: false, gather_rays: true };
     let other = renderer.choose(&scene.view(), left(), open)?;
-    let least = |choice: &Choice| choice.candidates.first().map(|best| best.error);
-    let errors = other.as_ref().and_then(least).zip(least(&choice));
+    let error = |choice: &Choice| choice.chosen().map(|chosen| chosen.error);
+    let errors = other.as_ref().and_then(error).zip(error(&choice));
     let is_better = errors.is_some_and(|(gathered, by_map)| is_much_less(gathered, by_map, choice.bandwidth));
     match other {
         Some(mut other) if is_better => {
@@ -98,6 +107,12 @@ fn add(to: &mut Vec<Candidate>, others: Vec<Candidate>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn trials_take_little_of_the_time_and_may_help() {
+        assert!(is_affordable(0.4, 4.0) && !is_affordable(0.41, 4.0) && !is_affordable(0.0, 3.9));
+        assert!(is_by_maps(1.0, 0.49) && !is_by_maps(1.0, 0.51) && !is_by_maps(f64::NAN, 0.0));
+    }
 
     #[test]
     fn final_gathering_has_to_be_much_better() {

@@ -28,9 +28,8 @@ pub(super) fn is_chosen(args: &SettingsArgs) -> bool {
     args.is_timed() && !args.budget.errors
 }
 
-/// Chooses areas, radii, the number of paths, whether each pixel has a radius of its own, and final gathering with a number of
-/// rays, for the time that remains since
-/// `begun`. The renderer has them afterwards; it is returned with its settings.
+/// Chooses areas, radii, the number of paths, whether each pixel has a radius of its own, and whether there is final
+/// gathering, for the time that remains since `begun`. The renderer has them afterwards; it is returned with its settings.
 ///
 /// # Errors
 /// Those of rendering.
@@ -52,8 +51,7 @@ pub(super) fn choose<B: TransportBackend>(
     let seconds = (time - begun.elapsed().as_secs_f64()).max(0.0);
     let Some(choice) = renderer.choose(&scene.view(), seconds, open)? else { return Ok((renderer, settings, None)) };
     let trials = seconds - (time - begun.elapsed().as_secs_f64());
-    let cost = [renderer.facts().setup.total(), trials];
-    if gathering::is_worth_trying(args, &settings, (&choice, seconds), cost) {
+    if gathering::is_worth_trying(args, &settings, (&choice, seconds), (&renderer.facts().setup, trials)) {
         return gathering::choose(renderer, (args, begun), (scene, view), settings, choice);
     }
     let (wanted, is_new) = with_choice(args, settings, &choice, (renderer.facts().photons, view, seconds));

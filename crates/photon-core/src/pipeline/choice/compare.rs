@@ -37,7 +37,8 @@ const MULTIPLES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
 struct Measured {
     /// For each setting of the estimates.
     trials: Vec<Trial>,
-    /// For each number of gather rays, or once without any: direct light by shadow rays, and light by gather rays, in the two passes.
+    /// For each number of gather rays, or once without any: direct light by shadow rays, and light by gather rays, in the
+    /// two passes.
     sampled: Vec<[Vec<f64>; 2]>,
     /// Seconds of the gather rays of a pass, for each number of them.
     gathering: Vec<f64>,

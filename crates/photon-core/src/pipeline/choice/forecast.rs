@@ -47,10 +47,11 @@ const STEPS: usize = 4;
 /// The largest squared relative bias of a pixel that counts.
 const MAX_BIAS_SQUARED: f64 = 1.0;
 
-/// Bias may be that many standard errors larger than it is measured.
+/// The squared bias may be larger than it is measured by that many standard errors of its mean, which noise and the small number
+/// of pixels leave.
 const HIDDEN: f64 = 2.0;
 
-/// Pixels side by side whose noise may be correlated, since photons are in the discs of several.
+/// Pixels of a row whose means are taken as independent: photons are in the discs of several pixels.
 const CORRELATED: usize = 64;
 
 /// Squared relative errors of one kind of areas.
@@ -59,7 +60,7 @@ pub(super) struct Model {
     others: f64,
     variance: Curve,
     bias_squared: Curve,
-    /// The squared bias that noise may hide at a factor on radii.
+    /// A factor on radii, and the squared bias that may be hidden there.
     hidden: [f64; 2],
     seconds: Curve,
     photons: [f64; 2],
@@ -78,8 +79,9 @@ impl Model {
         photons: [f64; 2],
         alpha: f64,
     ) -> Self {
-        // The noise of two passes is independent: that of the product has the mean 0. A visible point at the rim of a surface,
-        // whose area there is a small part of the disc, may be many times too bright: one of thousands that a pixel averages over.
+        // The noise of two passes is independent: that of the product has the mean 0. A visible point at the rim of a
+        // surface, whose area there is a small part of the disc, may be many times too bright: one of thousands that a pixel
+        // averages over.
         let [one, two] = reference;
         let product = |trial: &Trial, i: usize| (trial.passes[0][i] - one[i]) * (trial.passes[1][i] - two[i]);
         let squares = |trial: &Trial| -> Vec<f64> {
@@ -92,8 +94,8 @@ impl Model {
         };
         Self {
             others,
-            // That of smooth light is as the reciprocal of the area. Few photons per disc make it uncertain, so that less might be
-            // measured between two radii.
+            // That of smooth light is as the reciprocal of the area. Few photons per disc make it uncertain, so that less
+            // might be measured between two radii.
             variance: Curve {
                 points: positive(&|trial| variance(&trial.passes, weights)),
                 exponents: [-2.0, 0.0],
@@ -139,8 +141,8 @@ impl Model {
         [pass, error, others]
     }
 
-    /// Where light is smooth, bias is as the squared radius: what is hidden at the greatest radius that was tried is little at small
-    /// ones.
+    /// Where light is smooth, bias is as the squared radius: what is hidden at the greatest radius that was tried is little
+    /// at small ones.
     fn hidden_at(&self, factor: f64) -> f64 {
         let [greatest, squared] = self.hidden;
         squared * (factor / greatest).powi(4)
@@ -151,9 +153,9 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// That of the mean, from the means of pixels side by side; 0 if there are fewer than two such means.
+/// That of the mean, from means of [`CORRELATED`] values; 0 if there are fewer than two such means.
 fn standard_error(values: &[f64]) -> f64 {
-    let means: Vec<f64> = values.chunks(CORRELATED).map(mean).collect();
+    let means: Vec<f64> = values.chunks_exact(CORRELATED).map(mean).collect();
     let whole = mean(&means);
     let squares = means.iter().map(|mean| (mean - whole).powi(2)).sum::<f64>();
     let count = means.len() as f64;
@@ -169,8 +171,9 @@ pub(super) fn variance([one, two]: &[Vec<f64>; 2], weights: &[f64]) -> f64 {
     weighted_mean(weights, |i| 0.5 * (one[i] - two[i]).powi(2))
 }
 
-/// The variance and the seconds with `rays` gather rays, from those with two other numbers of rays. A part of the variance is as the
-/// reciprocal of their number, as if rays were independent (they are stratified by height), and a part of the time as their number.
+/// The variance and the seconds with `rays` gather rays, from those with two other numbers of rays. A part of the variance
+/// is as the reciprocal of their number, as if rays were independent (they are stratified by height), and a part of the time
+/// as their number.
 pub(super) fn with_gather_rays(tried: [(u32, [f64; 2]); 2], rays: u32) -> [f64; 2] {
     let [(few, [noisy, fast]), (many, [quiet, slow])] = tried.map(|(rays, found)| (f64::from(rays), found));
     let rays = f64::from(rays);
@@ -277,9 +280,9 @@ mod tests {
                 let variance_of = |factor: f64| 0.04 / (factor * factor);
                 let (variance, others, bias) = (variance_of(factor), 0.09_f64, bias * factor * factor);
                 let expected = (variance + others) / passes + bias * bias;
-                // The reference is 4/3 of the trial with the factor 0.7, less 1/3 of that with 1.4; both may be correlated with
-                // the trial, which at most adds their standard deviations. Half of a squared difference has the variance 2 σ⁴, the
-                // product of two differences with the variance σ² and the mean b of each σ⁴ + 2 b² σ².
+                // The reference is 4/3 of the trial with the factor 0.7, less 1/3 of that with 1.4; both may be correlated
+                // with the trial, which at most adds their standard deviations. Half of a squared difference has the
+                // variance 2 σ⁴, the product of two differences with the variance σ² and the mean b of each σ⁴ + 2 b² σ².
                 let parts = [(1.0, factor), (4.0 / 3.0, 0.7), (1.0 / 3.0, 1.4)];
                 let each = parts.map(|(part, factor)| part * variance_of(factor).sqrt()).iter().sum::<f64>().powi(2);
                 let product = each * each + 2.0 * bias * bias * each;
@@ -288,6 +291,23 @@ mod tests {
                 assert!(z.abs() < 4.5, "{factor}: {error} for {expected}, z = {z}");
             }
         }
+    }
+
+    /// What two passes without bias leave uncertain counts in full at the greatest radius and is as its fourth power: after many
+    /// passes, the least radius is the best.
+    #[test]
+    fn bias_may_be_hidden_by_noise() {
+        let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, 0.0, (factor * 10.0) as u64));
+        let all: Vec<&Trial> = trials.iter().collect();
+        let (reference, weights) = (reference(&trials), vec![1.0; PIXELS]);
+        let model = Model::new(&all, &reference, 0.0, &weights, [0.25, 0.5], 1.0);
+        let product = |i: usize| -> f64 { (0..2).map(|pass| trials[2].passes[pass][i] - reference[pass][i]).product() };
+        let products: Vec<f64> = (0..PIXELS).map(|i| product(i).clamp(-MAX_BIAS_SQUARED, MAX_BIAS_SQUARED)).collect();
+        let expected = HIDDEN * standard_error(&products);
+        assert!(expected > 0.0 && (model.hidden_at(2.0) / expected - 1.0).abs() < 1e-9, "{expected}");
+        assert!((model.hidden_at(2.0) / model.hidden_at(1.0) - 16.0).abs() < 1e-9);
+        let errors = [0.5, 0.7, 1.0, 1.4, 2.0].map(|factor| model.forecast(1.0, factor, 1e9)[1]);
+        assert!(errors.is_sorted() && errors[4] >= expected, "{errors:?}");
     }
 
     /// The standard error of independent numbers is σ/√n, and that of numbers that are the same 64 times is 8 times as large.
@@ -343,8 +363,9 @@ mod tests {
         let all: Vec<&Trial> = trials.iter().collect();
         let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
         // Without the limit it would be (4/3 · 29)² times as much.
-        let error = model.forecast(1.0, 1.4, 1e9)[1] - model.hidden_at(1.4);
-        assert!((error * PIXELS as f64 / MAX_BIAS_SQUARED - 1.0).abs() < 1e-6, "{error}");
+        let [_, error, _] = model.forecast(1.0, 1.4, 1e9);
+        // One of the means deviates, so that the standard error is the mean itself.
+        assert!((error * PIXELS as f64 / MAX_BIAS_SQUARED - (1.0 + HIDDEN)).abs() < 1e-6, "{error}");
     }
 
     /// More passes make the larger radius worse than the smaller one: its bias remains.

@@ -221,7 +221,7 @@ fn what_has_no_counterpart_is_named() {
     }
     // Of an unlit material nothing but the base colour is left.
     let base = r#""pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 1]}"#;
-    let more = r#""KHR_materials_clearcoat": {"clearcoatFactor": 1}, "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]}, "KHR_materials_anisotropy": {"anisotropyStrength": 1}, "KHR_materials_transmission": {"transmissionFactor": 1}"#;
+    let more = r#""KHR_materials_clearcoat": {"clearcoatFactor": 1}, "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenRoughnessFactor": 0.5}, "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 1, "diffuseTransmissionColorFactor": [1, 0, 0]}, "KHR_materials_anisotropy": {"anisotropyStrength": 1}, "KHR_materials_transmission": {"transmissionFactor": 1}"#;
     let (unlit, report) =
         read(&format!(r#"{base}, "emissiveFactor": [1, 1, 1], "extensions": {{"KHR_materials_unlit": {{}}, {more}}}"#));
     assert_eq!(

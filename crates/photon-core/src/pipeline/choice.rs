@@ -106,8 +106,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let shown = self.maps.iter().any(|slot| is_shown(&self.settings, slot.kind));
         let derived = matches!(self.settings.estimator, Estimator::Radius { radius: None })
             && self.settings.irradiance_every.is_none();
-        // With a fixed number of aimed paths, more of the others do not make the discs of caustics smaller.
         let gathers = self.stages.gather.is_some();
+        // With a fixed number of aimed paths, more of the others do not make the discs of caustics smaller.
         let is_aimed = matches!(self.settings.caustic_photons, CausticPhotons::Aimed(_));
         let open = Open {
             photons: open.photons && !gathers && derived && self.cap.is_none() && self.bandwidth.is_none() && !is_aimed,

@@ -27,7 +27,7 @@ const POSSIBLE_FACTORS: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 const TRIED_RAYS: [u32; 2] = [1, 4];
 const POSSIBLE_RAYS: [u32; 3] = [1, 4, 16];
 
-/// [`TIMED_PART`] with final gathering: gather rays of a small picture fill a GPU, and for a CPU they are long.
+/// [`TIMED_PART`] with final gathering, whose passes of the whole picture take long.
 const TIMED_PART_OF_RAYS: f64 = 0.01;
 
 /// Multiples of the number of paths that may be chosen.

@@ -102,6 +102,9 @@ impl PhotonPowers for Reflected<'_> {
     }
 }
 
+/// Fewer photons are evaluated one by one: sixteen at a time take as long as about so many.
+const FEW: usize = 5;
+
 struct ReflectedBatches<'a, T, A, F> {
     reflected: &'a Reflected<'a>,
     map: &'a CpuMap,
@@ -118,10 +121,18 @@ impl<T, A: Fn(u32) -> bool, F: FnMut(T, u32, f32, Vec3) -> T> Batches for Reflec
 
     #[inline(always)]
     fn take(&mut self, slots: &[u32; WIDTH], d2: &[f32; WIDTH], count: usize) {
-        let mut packed = [0; WIDTH];
+        // The state is moved out for all of them, so that it stays in registers.
+        let Some(mut state) = self.state.take() else { return };
+        let packed = slots.map(|slot| self.map.packed_direction(slot));
+        if packed[..count].iter().filter(|&&packed| self.reflected.counts(packed)).count() < FEW {
+            for (&slot, &d2) in slots[..count].iter().zip(d2) {
+                state = (self.fold)(state, slot, d2, self.reflected.of(self.map, slot));
+            }
+            self.state = Some(state);
+            return;
+        }
         let (mut toward, mut normals): (Vectors<WIDTH>, Vectors<WIDTH>) = Default::default();
         for lane in 0..WIDTH {
-            packed[lane] = self.map.packed_direction(slots[lane]);
             let normal = self.map.normal(slots[lane]);
             (0..3).for_each(|c| normals[c][lane] = normal[c]);
         }
@@ -130,8 +141,6 @@ impl<T, A: Fn(u32) -> bool, F: FnMut(T, u32, f32, Vec3) -> T> Batches for Reflec
             (0..3).for_each(|c| toward[c][lane] = direction[c]);
         }
         let weights = self.reflected.lobe.weights(&toward, &normals);
-        // The state is moved out for all of them, so that it stays in registers.
-        let Some(mut state) = self.state.take() else { return };
         for lane in 0..count {
             let slot = slots[lane];
             let power = match self.reflected.counts(packed[lane]) {

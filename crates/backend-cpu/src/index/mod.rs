@@ -31,7 +31,7 @@ use dispatch::Isa;
 pub(crate) use layout::WIDTH;
 use layout::{Block, Extra, Node, Tree};
 use points::Item;
-pub(crate) use range::Batches;
+pub(crate) use range::{Batches, Fold};
 use rayon::prelude::*;
 
 /// Why an index could not be built.
@@ -189,6 +189,11 @@ impl PointIndex {
     /// ```
     #[inline]
     pub fn fold_within<T>(&self, query: [f32; 3], r2: f32, state: T, fold: impl FnMut(T, u32, f32) -> T) -> T {
+        self.fold_with(query, r2, state, fold)
+    }
+
+    #[inline]
+    pub(crate) fn fold_with<T>(&self, query: [f32; 3], r2: f32, state: T, fold: impl Fold<T>) -> T {
         self.isa.run(range::Within { tree: &self.tree, query, r2, state, fold })
     }
 

@@ -54,6 +54,20 @@ pub(crate) fn blocks_within<L: Lanes>(
     }
 }
 
+/// What every point within a radius does to a state.
+pub(crate) trait Fold<T> {
+    /// The state after the point in `slot`. An implementation that is `#[inline(always)]` is compiled for the instruction set of
+    /// the search; a large closure might be called instead.
+    fn fold(&mut self, state: T, slot: u32, d2: f32) -> T;
+}
+
+impl<T, F: FnMut(T, u32, f32) -> T> Fold<T> for F {
+    #[inline(always)]
+    fn fold(&mut self, state: T, slot: u32, d2: f32) -> T {
+        self(state, slot, d2)
+    }
+}
+
 /// Folds the slot and squared distance of every point within `r2` into `state`.
 pub(crate) struct Within<'a, T, F> {
     pub(crate) tree: &'a Tree,
@@ -63,7 +77,7 @@ pub(crate) struct Within<'a, T, F> {
     pub(crate) fold: F,
 }
 
-impl<T, F: FnMut(T, u32, f32) -> T> IndexSearch for Within<'_, T, F> {
+impl<T, F: Fold<T>> IndexSearch for Within<'_, T, F> {
     type Output = T;
 
     #[inline(always)]
@@ -74,7 +88,7 @@ impl<T, F: FnMut(T, u32, f32) -> T> IndexSearch for Within<'_, T, F> {
             while hits != 0 {
                 let lane = hits.trailing_zeros();
                 hits &= hits - 1;
-                state = state.take().map(|s| (self.fold)(s, block * WIDTH as u32 + lane, d2[lane as usize % WIDTH]));
+                state = state.take().map(|s| self.fold.fold(s, block * WIDTH as u32 + lane, d2[lane as usize % WIDTH]));
             }
             true
         });

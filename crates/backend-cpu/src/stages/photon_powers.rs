@@ -3,7 +3,7 @@
 use photon_core::glam::Vec3;
 use photon_core::{ReflectionLobe, Vectors, gloss_caustics, octahedral, shading_normal};
 
-use crate::index::{Batches, WIDTH};
+use crate::index::{Batches, Fold, WIDTH};
 use crate::map::CpuMap;
 use crate::map::power::Power;
 
@@ -23,11 +23,28 @@ pub(crate) trait PhotonPowers {
         (position, r2): ([f32; 3], f32),
         accept: impl Fn(u32) -> bool,
         state: T,
-        mut fold: impl FnMut(T, u32, f32, Self::Power) -> T,
+        fold: impl FnMut(T, u32, f32, Self::Power) -> T,
     ) -> T {
-        map.index().fold_within(position, r2, state, |state, slot, d2| {
-            if accept(slot) { fold(state, slot, d2, self.of(map, slot)) } else { state }
-        })
+        map.index().fold_with(position, r2, state, OneByOne { powers: self, map, accept, fold })
+    }
+}
+
+struct OneByOne<'a, P: ?Sized, A, F> {
+    powers: &'a P,
+    map: &'a CpuMap,
+    accept: A,
+    fold: F,
+}
+
+impl<T, P, A, F> Fold<T> for OneByOne<'_, P, A, F>
+where
+    P: PhotonPowers + ?Sized,
+    A: Fn(u32) -> bool,
+    F: FnMut(T, u32, f32, P::Power) -> T,
+{
+    #[inline(always)]
+    fn fold(&mut self, state: T, slot: u32, d2: f32) -> T {
+        if (self.accept)(slot) { (self.fold)(state, slot, d2, self.powers.of(self.map, slot)) } else { state }
     }
 }
 
@@ -37,7 +54,7 @@ pub(crate) struct Stored<'a, P>(pub(crate) &'a [P]);
 impl<P: Power> PhotonPowers for Stored<'_, P> {
     type Power = P;
 
-    #[inline]
+    #[inline(always)]
     fn of(&self, _map: &CpuMap, slot: u32) -> P {
         self.0[slot as usize]
     }
@@ -49,7 +66,7 @@ pub(crate) struct Shaded<'a>(pub(crate) &'a [Vec3], pub(crate) Vec3);
 impl PhotonPowers for Shaded<'_> {
     type Power = Vec3;
 
-    #[inline]
+    #[inline(always)]
     fn of(&self, map: &CpuMap, slot: u32) -> Vec3 {
         let (Self(powers, shading), geometric) = (self, map.normal(slot));
         // The ratio of a number to itself, and a quotient that the length of the direction cancels from.
@@ -79,7 +96,7 @@ impl Reflected<'_> {
 impl PhotonPowers for Reflected<'_> {
     type Power = Vec3;
 
-    #[inline]
+    #[inline(always)]
     fn of(&self, map: &CpuMap, slot: u32) -> Vec3 {
         match self.counts(map.packed_direction(slot)) {
             true => self.powers[slot as usize] * self.lobe.weight(map.direction(slot), map.normal(slot)),
@@ -163,9 +180,9 @@ mod tests {
     use crate::map::{CpuBuilder, Powers};
 
     /// As the trait does it by itself.
-    struct OneByOne<'a>(&'a Reflected<'a>);
+    struct Plain<'a>(&'a Reflected<'a>);
 
-    impl PhotonPowers for OneByOne<'_> {
+    impl PhotonPowers for Plain<'_> {
         type Power = Vec3;
 
         fn of(&self, map: &CpuMap, slot: u32) -> Vec3 {
@@ -215,7 +232,7 @@ mod tests {
                     all
                 };
                 let found = reflected.fold_within(&map, within, accept, Vec::new(), note);
-                let expected = OneByOne(&reflected).fold_within(&map, within, accept, Vec::new(), note);
+                let expected = Plain(&reflected).fold_within(&map, within, accept, Vec::new(), note);
                 assert_eq!(found, expected, "{mark:?} {i}");
                 counts.push(found.len());
             }

@@ -14,12 +14,12 @@ layout(constant_id = 0) const uint FEATURES = FEATURE_ALL;
 #include "probe/probe.glsl"
 #include "shading/light_sampler.glsl"
 
-// Position and index of a light or node; normal; two random words, address of the scene.
+// Position and index of a light; normal and index of a node; two random words, address of the scene.
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     if (FUNCTION == 0u) return Output(uvec4(extend_word(words.a.x, words.a.y, words.a.z), 0u, 0u, 0u), uvec4(0u));
     SceneRef scene = SceneRef(words.c.zw);
     if (FUNCTION == 1u) {
-        float importance = light_node_importance(scene.light_tree.nodes[words.a.w].at, a.xyz, b.xyz);
+        float importance = light_node_importance(scene.light_tree.nodes[words.b.w].at, a.xyz, b.xyz);
         return floats(vec4(importance, 0.0, 0.0, 0.0), vec4(0.0));
     }
     LightSampler light_sampler = light_sampler_at(scene, 0u, a.xyz, b.xyz);

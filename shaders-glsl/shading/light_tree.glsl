@@ -1,4 +1,4 @@
-// Selects a light among many. Twin of photon-core's light_tree.rs: the same thresholds except for the rounding of
+// Selects a light among many. Twin of photon-core's light_tree.rs: the same words for each child except for the rounding of
 // divisions and square roots; probabilities are multiplied in f32.
 #ifndef LIGHT_TREE_GLSL
 #define LIGHT_TREE_GLSL
@@ -35,10 +35,10 @@ vec2 angle_minus(vec2 a, vec2 b) {
     return vec2(cosine, sine);
 }
 
-float angle_cosine(vec2 a) {
+// The factor of cosine and sine.
+float angle_length(vec2 a) {
     precise float square = a.x * a.x + a.y * a.y;
-    precise float cosine = a.x / sqrt(square);
-    return cosine;
+    return sqrt(square);
 }
 
 // For an angle below pi / 2.
@@ -58,7 +58,8 @@ float light_node_importance(LightNode node, vec3 position, vec3 normal) {
     if (node.radius < 0.0) {
         if (everywhere) return node.intensity;
         vec2 off_axis = angle_minus(angle_between(axis, normal), angle_with_cosine(spread));
-        return node.intensity * max(angle_cosine(off_axis), 0.0);
+        precise float importance = node.intensity * max(off_axis.x / angle_length(off_axis), 0.0);
+        return importance;
     }
     precise vec3 gap = node.center - position;
     float square = dot3(gap, gap);
@@ -68,13 +69,16 @@ float light_node_importance(LightNode node, vec3 position, vec3 normal) {
     // Half angle under which the bounding sphere is seen.
     precise float beyond = square - reach;
     vec2 seen = vec2(sqrt(beyond), node.radius);
-    float cosine = angle_cosine(angle_minus(angle_between(normal, gap), seen));
-    vec2 emitted = vec2(1.0, 0.0);
+    vec2 received = angle_minus(angle_between(normal, gap), seen);
+    if (!(received.x > 0.0)) return 0.0;
+    precise float cosines = received.x / angle_length(received);
     if (!everywhere) {
-        emitted = angle_minus(angle_minus(angle_between(axis, -gap), angle_with_cosine(spread)), seen);
+        vec2 emitted = angle_minus(angle_minus(angle_between(axis, -gap), angle_with_cosine(spread)), seen);
+        if (!(emitted.x > 0.0 && angle_is_within(emitted, emission))) return 0.0;
+        precise float both = received.x * emitted.x / (angle_length(received) * angle_length(emitted));
+        cosines = both;
     }
-    if (!(cosine > 0.0 && emitted.x > 0.0 && angle_is_within(emitted, emission))) return 0.0;
-    precise float importance = node.intensity * cosine * angle_cosine(emitted) / divisor;
+    precise float importance = node.intensity * cosines / divisor;
     return importance;
 }
 
@@ -82,22 +86,52 @@ bool light_tree_usable(float sum) {
     return sum >= 1.17549435e-38 && sum <= 3.4028235e38;
 }
 
-// The part of 2^32 random words that takes the first of two children; neither gets none.
-uint light_tree_threshold(LightNode a, LightNode b, vec3 position, vec3 normal) {
-    float first = light_node_importance(a, position, normal);
-    float second = light_node_importance(b, position, normal);
-    if (!light_tree_usable(first + second)) {
-        first = a.intensity;
-        second = b.intensity;
+float light_tree_sum(float of[LIGHT_TREE_WIDTH]) {
+    precise float sum = ((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7]));
+    return sum;
+}
+
+float light_tree_part(float weight, float total) {
+    precise float part = weight / total * 4294967296.0;
+    return part;
+}
+
+// Numbers of the 2^32 random words that select each of the children from index `first` on: 0 where there is none.
+uint[LIGHT_TREE_WIDTH] light_tree_words(SceneRef scene, uint first, vec3 position, vec3 normal) {
+    float weights[LIGHT_TREE_WIDTH];
+    uint children = 0u;
+    for (uint i = 0u; i < LIGHT_TREE_WIDTH; i++) {
+        LightNode node = scene.light_tree.nodes[first + i].at;
+        bool exists = node.next != LIGHT_TREE_NO_CHILD;
+        weights[i] = exists ? light_node_importance(node, position, normal) : 0.0;
+        children += exists ? 1u : 0u;
     }
-    if (!light_tree_usable(first + second)) {
-        first = 1.0;
-        second = 1.0;
+    float total = light_tree_sum(weights);
+    if (!light_tree_usable(total)) {
+        for (uint i = 0u; i < LIGHT_TREE_WIDTH; i++) weights[i] = scene.light_tree.nodes[first + i].at.intensity;
+        total = light_tree_sum(weights);
     }
-    // The smaller part is divided: 1 minus a rounded quotient near 1 would have few correct digits.
-    precise float share = min(first, second) / (first + second) * 4294967296.0;
-    uint words = uint(max(share, 1.0));
-    return first <= second ? words : 0u - words;
+    if (!light_tree_usable(total)) {
+        for (uint i = 0u; i < LIGHT_TREE_WIDTH; i++) weights[i] = i < children ? 1.0 : 0.0;
+        total = float(children);
+    }
+    // The largest part takes what the others leave: 1 minus a rounded quotient near 1 would have few correct digits.
+    uint words[LIGHT_TREE_WIDTH];
+    uint rest = 0u;
+    uint largest = 0u;
+    float most = weights[0];
+    for (uint i = 0u; i < LIGHT_TREE_WIDTH; i++) {
+        float part = light_tree_part(weights[i], total);
+        words[i] = i < children ? uint(clamp(part, 1.0, LIGHT_TREE_MAX_WORDS)) : 0u;
+        rest -= words[i];
+        if (weights[i] > most) {
+            most = weights[i];
+            largest = i;
+        }
+    }
+    // Arrays are read by constants where loops are unrolled: they stay in registers.
+    for (uint i = 0u; i < LIGHT_TREE_WIDTH; i++) words[i] += i == largest ? rest : 0u;
+    return words;
 }
 
 // (high * 2^32 + low) / divisor, rounded down, for high < divisor: in two digits of 16 bits (Knuth 1997, 4.3.1,
@@ -130,25 +164,30 @@ uint extend_word(uint high, uint low, uint divisor) {
 // are those of a random choice, or a trail if `by_trail`.
 uint light_tree_descend(SceneRef scene, vec3 position, vec3 normal, bool by_trail, uvec2 words, out float probability) {
     probability = 1.0;
-    uint at = 0u;
-    uint next = scene.light_tree.nodes[0].at.next;
+    uint next = 0u;
     // One exit: of a return from inside the loop, llvmpipe of Mesa 22.3 returns 0.
     while ((next & LIGHT_TREE_LEAF) == 0u) {
-        uint threshold = light_tree_threshold(
-            scene.light_tree.nodes[at + 1u].at, scene.light_tree.nodes[next].at, position, normal);
-        bool second;
-        if (by_trail) {
-            second = (words.x & 1u) != 0u;
-            words = uvec2(words.x >> 1 | words.y << 31, words.y >> 1);
-        } else {
-            second = words.x >= threshold;
-            words.y = words.y * LIGHT_TREE_MULTIPLIER + LIGHT_TREE_INCREMENT;
-            uint word = second ? words.x - threshold : words.x;
-            words.x = extend_word(word, words.y, second ? 0u - threshold : threshold);
+        uint first = next * LIGHT_TREE_WIDTH;
+        uint parts[LIGHT_TREE_WIDTH] = light_tree_words(scene, first, position, normal);
+        uint child = 0u, start = 0u, end = 0u, part = 0u;
+        for (uint i = 0u; i < LIGHT_TREE_WIDTH; i++) {
+            // Words below `end` are those of the children before; their sum is below 2^32 where there is a child.
+            if (by_trail ? i == words.x % LIGHT_TREE_WIDTH : parts[i] != 0u && words.x >= end) {
+                child = i;
+                start = end;
+                part = parts[i];
+            }
+            end += parts[i];
         }
-        probability *= float(second ? 0u - threshold : threshold) * (1.0 / 4294967296.0);
-        at = second ? next : at + 1u;
-        next = scene.light_tree.nodes[at].at.next;
+        if (by_trail) {
+            words = uvec2(words.x >> LIGHT_TREE_TRAIL_BITS | words.y << (32u - LIGHT_TREE_TRAIL_BITS),
+                words.y >> LIGHT_TREE_TRAIL_BITS);
+        } else {
+            words.y = words.y * LIGHT_TREE_MULTIPLIER + LIGHT_TREE_INCREMENT;
+            words.x = extend_word(words.x - start, words.y, part);
+        }
+        probability *= float(part) * (1.0 / 4294967296.0);
+        next = scene.light_tree.nodes[first + child].at.next;
     }
     return next & ~LIGHT_TREE_LEAF;
 }

@@ -4,7 +4,6 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use photon_core::glam::Vec3;
-use photon_core::light_tree::LightTree;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, Material, MediaFeatures, Medium, MediumStack,
     Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids,
@@ -16,6 +15,7 @@ use crate::caster::Checked;
 use crate::cpu::Cpu;
 use crate::shading::CpuShading;
 use crate::stages::clear_disc;
+use crate::stages::light_tree::CpuLightTree;
 
 /// A scene prepared for ray tracing.
 #[expect(missing_debug_implementations, reason = "holds a foreign ray caster")]
@@ -30,7 +30,7 @@ pub struct CpuScene {
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
     /// For shadow rays in a scene with many lights.
-    pub(crate) light_tree: Option<LightTree>,
+    pub(crate) light_tree: Option<CpuLightTree>,
     pub(crate) environment: Option<EnvironmentMap>,
     pub(crate) portals: Vec<Portal>,
     media: Vec<Medium>,
@@ -95,7 +95,7 @@ impl CpuScene {
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
             light_cdf: view.light_cdf.to_vec(),
-            light_tree: by_tree.then(|| LightTree::new(view)),
+            light_tree: by_tree.then(|| CpuLightTree::new(view)),
             environment: view.environment.cloned(),
             portals: view.portals.to_vec(),
             media: view.media.to_vec(),

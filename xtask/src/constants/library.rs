@@ -65,6 +65,10 @@ pub(super) fn groups() -> Vec<Group> {
             vec![
                 ("LIGHT_TREE_WORDS", light_tree::TREE_WORDS.into()),
                 ("LIGHT_TREE_LEAF", light_tree::LEAF.into()),
+                ("LIGHT_TREE_NO_CHILD", light_tree::NO_CHILD.into()),
+                ("LIGHT_TREE_WIDTH", (light_tree::WIDTH as u32).into()),
+                ("LIGHT_TREE_MAX_WORDS", light_tree::MAX_WORDS.into()),
+                ("LIGHT_TREE_TRAIL_BITS", light_tree::TRAIL_BITS.into()),
                 ("LIGHT_TREE_COSINE_STEPS", light_tree::COSINE_STEPS.into()),
                 ("LIGHT_TREE_MIN_DISTANCE_SHARE", light_tree::MIN_DISTANCE_SHARE.into()),
                 ("LIGHT_TREE_MIN_SQUARED", light_tree::MIN_SQUARED.into()),

@@ -6,8 +6,8 @@
 mod accept;
 #[cfg(target_arch = "x86_64")]
 mod compress;
-mod dispatch;
-mod lanes;
+pub(crate) mod dispatch;
+pub(crate) mod lanes;
 mod layout;
 mod median;
 mod morton;

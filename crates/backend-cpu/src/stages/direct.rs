@@ -110,26 +110,39 @@ fn irradiance<const SHADED: bool>(
         if has_shading_normals { shading_normal::cosine(direction, normal, shading) } else { normal.dot(direction) }
     };
     let mut sum = [0.0; 3];
-    for ray in 0..rays {
+    let mut draw = |ray: u32| {
         let [choice, u, v, low] = sampler.words(ray);
         // Each ray samples its own stratum of the lights.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
-        let (index, share) = light_sampler.pick([choice, low]);
-        let Some(sampled) = sample::<SHADED>(scene, &scene.lights[index], from, u, v) else { continue };
-        let ray = sampled.ray;
-        let cosine = cosine_of(ray.direction);
-        if !(cosine > 0.0) {
-            continue;
-        }
-        let mut value = sampled.times(cosine);
-        if SHADED && query.coat != 0 {
-            value *= Coat::from_bits(query.coat).entering(ray.direction.dot(shading));
-        }
-        if value != Vec3::ZERO && !occluded(&ray, low) {
-            // The segment is unoccluded, so all of it lies in the query's medium.
-            let value = value * scene.attenuation(MediumStack::from_bits(query.media), ray.t_max);
-            for c in 0..3 {
-                sum[c] += f64::from(value[c]) / share;
+        ([choice, low], [u, v, low])
+    };
+    for first in (0..rays).step_by(2) {
+        // Lights are picked for two rays at a time.
+        let (words, points) = draw(first);
+        let (picked, points) = if first + 1 < rays {
+            let (others, more) = draw(first + 1);
+            (light_sampler.pick([words, others]), [points, more])
+        } else {
+            (light_sampler.pick([words]).map(|one| [one; 2])[0], [points; 2])
+        };
+        let rest = (rays - first) as usize;
+        for ((index, share), [u, v, low]) in picked.into_iter().zip(points).take(rest) {
+            let Some(sampled) = sample::<SHADED>(scene, &scene.lights[index], from, u, v) else { continue };
+            let ray = sampled.ray;
+            let cosine = cosine_of(ray.direction);
+            if !(cosine > 0.0) {
+                continue;
+            }
+            let mut value = sampled.times(cosine);
+            if SHADED && query.coat != 0 {
+                value *= Coat::from_bits(query.coat).entering(ray.direction.dot(shading));
+            }
+            if value != Vec3::ZERO && !occluded(&ray, low) {
+                // The segment is unoccluded, so all of it lies in the query's medium.
+                let value = value * scene.attenuation(MediumStack::from_bits(query.media), ray.t_max);
+                for c in 0..3 {
+                    sum[c] += f64::from(value[c]) / share;
+                }
             }
         }
     }

@@ -172,7 +172,7 @@ impl Eye<'_> {
         if scene.lights.is_empty() {
             return None;
         }
-        let (index, share) = LightSampler::at(scene, side.start, geometric).pick([choice, low]);
+        let [(index, share)] = LightSampler::at(scene, side.start, geometric).pick([[choice, low]]);
         let from = offset::off_surface(side.start, geometric);
         let sampled = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v)?;
         let direction = sampled.ray.direction;

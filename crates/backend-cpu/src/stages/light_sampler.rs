@@ -2,16 +2,16 @@
 
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::{LightSampler as Probabilities, weigh};
-use photon_core::light_tree::LightTree;
 
 use crate::scene::CpuScene;
+use crate::stages::light_tree::CpuLightTree;
 
 /// The selection probabilities of the lights of a scene at one surface point.
 pub(crate) struct LightSampler<'a> {
     probabilities: Probabilities,
     light_cdf: &'a [u32],
     /// Instead of `probabilities` if there are many lights.
-    tree: Option<(&'a LightTree, Vec3, Vec3)>,
+    tree: Option<(&'a CpuLightTree, Vec3, Vec3)>,
 }
 
 impl<'a> LightSampler<'a> {
@@ -29,11 +29,12 @@ impl<'a> LightSampler<'a> {
         Self { probabilities, light_cdf: &scene.light_cdf, tree }
     }
 
-    /// Picks a light by a random word, which a light tree extends by a second one; returns its index and probability.
-    pub(crate) fn pick(&self, random: [u32; 2]) -> (usize, f64) {
+    /// For each pair of random words, picks a light by the first, which a light tree extends by the second; returns the index
+    /// and probability of each.
+    pub(crate) fn pick<const N: usize>(&self, random: [[u32; 2]; N]) -> [(usize, f64); N] {
         match self.tree {
             Some((tree, position, normal)) => tree.pick(self.light_cdf, position, normal, random),
-            None => self.probabilities.pick(self.light_cdf, random[0]),
+            None => random.map(|[word, _]| self.probabilities.pick(self.light_cdf, word)),
         }
     }
 

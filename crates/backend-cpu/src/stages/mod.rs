@@ -14,6 +14,7 @@ pub(crate) mod final_gather;
 pub(crate) mod irradiance;
 pub(crate) mod light_sample;
 pub(crate) mod light_sampler;
+pub(crate) mod light_tree;
 pub(crate) mod photon_powers;
 pub(crate) mod trace;
 mod trace_batch;

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use photon_core::glam::Vec3;
-use photon_core::light_tree::{LightTree, extend_word};
+use photon_core::light_tree::{LightNode, LightTree, NO_CHILD, WIDTH, extend_word};
 use photon_core::{EnvironmentMap, Features};
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
@@ -80,7 +80,7 @@ fn division(d: &mut Draw) -> Input {
     input
 }
 
-/// A point with a normal, the index of a light that is that of a node as well, and two random words.
+/// A point with a normal, the indices of a light and of a node, and two random words.
 fn point(d: &mut Draw) -> Input {
     let (position, normal) = (d.point(), d.direction());
     let mut input = Input::default();
@@ -88,6 +88,9 @@ fn point(d: &mut Draw) -> Input {
         (input.0[axis], input.0[4 + axis]) = (position[axis].to_bits(), normal[axis].to_bits());
     }
     input.0[3] = d.word() % SCENE.view().lights.len() as u32;
+    let exists = |&index: &usize| TREE.nodes()[index / WIDTH].next[index % WIDTH] != NO_CHILD;
+    let nodes: Vec<usize> = (0..TREE.nodes().len() * WIDTH).filter(exists).collect();
+    input.0[7] = nodes[d.word() as usize % nodes.len()] as u32;
     input.0[8] = if d.now_and_then() { d.pick(&[0, 1, u32::MAX]) } else { d.word() };
     input.0[9] = d.word();
     input
@@ -100,8 +103,14 @@ pub(super) fn place(i: &Input) -> Place {
     (i.vector(0), i.vector(4))
 }
 
+/// The node with the input's index.
+pub(super) fn node(i: &Input) -> LightNode {
+    let index = i.0[7] as usize;
+    TREE.nodes()[index / WIDTH].node(index % WIDTH)
+}
+
 fn importance(i: &Input, (position, normal): Place) -> f32 {
-    TREE.nodes()[i.0[3] as usize].importance(position, normal)
+    node(i).importance(position, normal)
 }
 
 fn probability(i: &Input, (position, normal): Place) -> f32 {

@@ -2,10 +2,10 @@
 
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::DEFENSIVE_SHARE;
-use photon_core::light_tree::{LEAF, LightNode, TREE_WORDS, threshold};
+use photon_core::light_tree::{LEAF, LightNode, TRAIL_BITS, TREE_WORDS, WIDTH};
 
 use super::Input;
-use super::light_tree::{ERROR, Place, SCENE, TREE, place};
+use super::light_tree::{ERROR, Place, SCENE, TREE, node, place};
 
 /// Displacement for differences.
 const CHANGE: f32 = 1e-6;
@@ -13,7 +13,7 @@ const CHANGE: f32 = 1e-6;
 /// most √3 and the best of three axes. Each of the four roots in an angle changes it by half of its relative error of
 /// 5.4e-7 at most, and the roundings of the products after them by less than 1e-6 together.
 const DECISIVE: f32 = 1e-5;
-/// Relative error of a share of two exact importances, a division and three roundings, as a part of [`ERROR`].
+/// Relative error of a share of exact importances, a division and four roundings, as a part of [`ERROR`].
 const SHARE: f64 = 0.125;
 /// One random word, as a share of all.
 const WORD: f64 = 1.0 / 4_294_967_296.0;
@@ -39,7 +39,7 @@ fn of_node(node: &LightNode, at: Place) -> f64 {
 
 /// That of the node with the input's index.
 pub(super) fn condition_of_importance(i: &Input) -> f64 {
-    of_node(&TREE.nodes()[i.0[3] as usize], place(i))
+    of_node(&node(i), place(i))
 }
 
 /// The descent to a leaf.
@@ -55,29 +55,38 @@ struct Descent {
 
 /// Descends to a light.
 fn descent(light: usize, at: Place) -> Descent {
-    let nodes = TREE.nodes();
     let mut trail = TREE.trails()[light];
     let mut found = Descent { start: 0.0, probability: 1.0, condition: 0.0, error: 0.0 };
-    let mut index = 0;
-    while nodes[index].next & LEAF == 0 {
-        let children = [index + 1, nodes[index].next as usize];
-        let pair = children.map(|child| &nodes[child]);
-        let first = f64::from(threshold(pair, at.0, at.1)) * WORD;
-        let shares = [first, 1.0 - first];
-        let relative = |node: &LightNode| match f64::from(node.importance(at.0, at.1)) {
-            importance if importance > 0.0 => of_node(node, at) / importance,
-            _ if of_node(node, at).is_finite() => 0.0,
-            _ => f64::INFINITY,
+    let mut next = 0;
+    while next & LEAF == 0 {
+        let nodes = &TREE.nodes()[next as usize];
+        let shares = nodes.words(at.0, at.1).map(|words| f64::from(words) * WORD);
+        let relative: [f64; WIDTH] = std::array::from_fn(|child| {
+            let node = nodes.node(child);
+            match f64::from(node.importance(at.0, at.1)) {
+                importance if importance > 0.0 => of_node(&node, at) / importance,
+                _ if of_node(&node, at).is_finite() => 0.0,
+                _ => f64::INFINITY,
+            }
+        });
+        let largest = (0..WIDTH).fold(0, |best, child| if shares[child] > shares[best] { child } else { best });
+        // A share is one importance divided by the sum of all: the derivative of a / (a + b + ...).
+        let slope = |child: usize| -> f64 {
+            let factor = |other: usize| if other == child { 1.0 - shares[child] } else { shares[other] };
+            (0..WIDTH).map(|other| factor(other) * relative[other]).sum()
         };
-        // A share is one importance divided by the sum of both: the derivative of a / (a + b).
-        let slope = relative(pair[0]) + relative(pair[1]);
-        let second = (trail & 1) as usize;
-        let [smaller, larger] = [shares[0].min(shares[1]), shares[0].max(shares[1])];
-        found.error += found.probability * (ERROR * smaller * (SHARE + larger * slope) + WORD);
-        found.condition += SHARE + shares[1 - second] * slope + WORD / shares[second] / ERROR;
-        found.start += found.probability * if second == 0 { 0.0 } else { first };
-        found.probability *= shares[second];
-        (index, trail) = (children[second], trail >> 1);
+        // What the others get wrong, the largest share gets wrong too.
+        let others: f64 = (0..WIDTH)
+            .filter(|&child| child != largest)
+            .map(|child| shares[child] * (SHARE + slope(child)) + WORD / ERROR)
+            .sum();
+        let child = trail as usize % WIDTH;
+        found.error += found.probability * others * ERROR;
+        let own = SHARE + slope(child) + WORD / shares[child] / ERROR;
+        found.condition += if child == largest { own.max(others / shares[child]) } else { own };
+        found.start += found.probability * shares[..child].iter().sum::<f64>();
+        found.probability *= shares[child];
+        (next, trail) = (nodes.next[child], trail >> TRAIL_BITS);
     }
     found
 }

@@ -3,11 +3,12 @@
 
 use photon_core::glam::Vec3;
 use photon_core::light_tree::{
-    COSINE_STEPS, LEAF, LightNode, MIN_DISTANCE_SHARE, MIN_SQUARED, NEXT_WORD, TREE_WORDS, extend_word,
+    COSINE_STEPS, LEAF, LightNode, LightNodes, MAX_WORDS, MIN_DISTANCE_SHARE, MIN_SQUARED, NEXT_WORD, NO_CHILD,
+    TRAIL_BITS, TREE_WORDS, WIDTH, extend_word,
 };
 use photon_core::{light_probability, octahedral, pick_light};
 
-use super::light_tree::{Place, SCENE, TREE, place, rows};
+use super::light_tree::{Place, SCENE, TREE, node, place, rows};
 use super::rough::{Rough, assert_bounded};
 use super::table::output;
 
@@ -23,8 +24,8 @@ impl Rough {
         [a.dot(b), self.root(a.cross(b).length_squared(), operation)]
     }
 
-    fn cosine(self, [cos, sin]: Angle, operation: u32) -> f32 {
-        self.divided(cos / self.root(cos * cos + sin * sin, operation), operation + 1)
+    fn length(self, [cos, sin]: Angle, operation: u32) -> f32 {
+        self.root(cos * cos + sin * sin, operation)
     }
 
     fn importance(self, node: &LightNode, (position, normal): Place) -> f32 {
@@ -36,7 +37,11 @@ impl Rough {
         };
         let everywhere = spread <= -COSINE_STEPS;
         if node.radius < 0.0 {
-            return node.intensity * if everywhere { 1.0 } else { self.cosine(off_axis(normal), 2).max(0.0) };
+            if everywhere {
+                return node.intensity;
+            }
+            let angle = off_axis(normal);
+            return node.intensity * self.divided(angle[0] / self.length(angle, 2), 3).max(0.0);
         }
         let gap = Vec3::from(node.center) - position;
         let (squared, reach) = (gap.length_squared(), node.radius * node.radius);
@@ -45,42 +50,58 @@ impl Rough {
             return self.divided(node.intensity / divisor, 4);
         }
         let seen = [self.root(squared - reach, 5), node.radius];
-        let cosine = self.cosine(minus(self.between(normal, gap, 6), seen), 7);
+        let received = minus(self.between(normal, gap, 6), seen);
+        let mut lengths = self.length(received, 7);
         let [cos, sin] = if everywhere { [1.0, 0.0] } else { minus(off_axis(-gap), seen) };
+        if !everywhere {
+            lengths *= self.length([cos, sin], 2);
+        }
         let within = emission <= 0.0 || sin * sin * (emission * emission) <= cos * cos * square(emission);
-        if !(cosine > 0.0 && cos > 0.0 && within) {
+        if !(received[0] > 0.0 && cos > 0.0 && within) {
             return 0.0;
         }
-        self.divided(node.intensity * cosine * self.cosine([cos, sin], 2) / divisor, 4)
+        self.divided(node.intensity * self.divided(received[0] * cos / lengths, 8) / divisor, 4)
     }
 
-    fn threshold(self, children: [&LightNode; 2], at: Place) -> u32 {
-        let usable = |[first, second]: [f32; 2]| (f32::MIN_POSITIVE..=f32::MAX).contains(&(first + second));
+    fn words(self, nodes: &LightNodes, at: Place) -> [u32; WIDTH] {
+        let sum = |[a, b, c, d, e, f, g, h]: [f32; WIDTH]| ((a + e) + (c + g)) + ((b + f) + (d + h));
+        let usable = |parts| (f32::MIN_POSITIVE..=f32::MAX).contains(&sum(parts));
         // Other signs for each node: equal errors would cancel.
         let of_node = |node: &LightNode| Self { signs: self.signs ^ node.next.wrapping_mul(0x9E37_79B9) >> 16, ..self };
-        let mut parts = children.map(|node| of_node(node).importance(node, at));
+        let exists = nodes.next.map(|next| next != NO_CHILD);
+        let mut parts = std::array::from_fn(|child| {
+            let node = nodes.node(child);
+            if exists[child] { of_node(&node).importance(&node, at) } else { 0.0 }
+        });
         if !usable(parts) {
-            parts = children.map(|node| node.intensity);
+            parts = nodes.intensity;
         }
-        let [first, second] = if usable(parts) { parts } else { [1.0; 2] };
-        let share = self.divided(first.min(second) / (first + second), 9);
-        let words = (share * 4_294_967_296.0).max(1.0) as u32;
-        if first <= second { words } else { words.wrapping_neg() }
+        if !usable(parts) {
+            parts = exists.map(|exists| f32::from(u8::from(exists)));
+        }
+        let share = |part: f32| self.divided(part / sum(parts), 9) * 4_294_967_296.0;
+        let mut words: [u32; WIDTH] =
+            std::array::from_fn(
+                |child| {
+                    if exists[child] { share(parts[child]).clamp(1.0, MAX_WORDS) as u32 } else { 0 }
+                },
+            );
+        let largest = (0..WIDTH).fold(0, |best, child| if parts[child] > parts[best] { child } else { best });
+        words[largest] = words[largest].wrapping_sub(words.iter().fold(0, |sum: u32, &part| sum.wrapping_add(part)));
+        words
     }
 
     /// The light, and its probability, multiplied in f32 as kernels do.
-    fn descend(self, at: Place, mut second: impl FnMut(u32) -> bool) -> (usize, f32) {
-        let nodes = TREE.nodes();
-        let (mut index, mut probability) = (0, 1.0_f32);
-        while nodes[index].next & LEAF == 0 {
-            let children = [index + 1, nodes[index].next as usize];
-            let threshold = self.threshold(children.map(|child| &nodes[child]), at);
-            let second = second(threshold);
-            let words = if second { threshold.wrapping_neg() } else { threshold };
-            probability *= words as f32 * (1.0 / 4_294_967_296.0);
-            index = children[usize::from(second)];
+    fn descend(self, at: Place, mut choose: impl FnMut(&[u32; WIDTH]) -> usize) -> (usize, f32) {
+        let (mut next, mut probability) = (0, 1.0_f32);
+        while next & LEAF == 0 {
+            let nodes = &TREE.nodes()[next as usize];
+            let words = self.words(nodes, at);
+            let child = choose(&words);
+            probability *= words[child] as f32 * (1.0 / 4_294_967_296.0);
+            next = nodes.next[child];
         }
-        let light = (nodes[index].next & !LEAF) as usize;
+        let light = (next & !LEAF) as usize;
         let share = TREE_WORDS as f32 * (1.0 / 4_294_967_296.0);
         let power = light_probability(SCENE.view().light_cdf, light) as f32;
         (light, share * probability + (1.0 - share) * power)
@@ -88,10 +109,10 @@ impl Rough {
 
     fn probability(self, light: usize, at: Place) -> f32 {
         let mut trail = TREE.trails()[light];
-        let next = |_| {
-            let second = trail & 1 != 0;
-            trail >>= 1;
-            second
+        let next = |_: &_| {
+            let child = trail as usize % WIDTH;
+            trail >>= TRAIL_BITS;
+            child
         };
         self.descend(at, next).1
     }
@@ -103,12 +124,12 @@ impl Rough {
             return (light, self.probability(light, at));
         }
         let mut word = extend_word(first, low, TREE_WORDS);
-        self.descend(at, |threshold| {
+        self.descend(at, |words| {
             low = low.wrapping_mul(NEXT_WORD[0]).wrapping_add(NEXT_WORD[1]);
-            let second = word >= threshold;
-            let (part, whole) = if second { (word - threshold, threshold.wrapping_neg()) } else { (word, threshold) };
-            word = extend_word(part, low, whole);
-            second
+            let start = |child: usize| words[..child].iter().sum::<u32>();
+            let child = (0..WIDTH).rev().find(|&child| words[child] != 0 && word >= start(child)).unwrap();
+            word = extend_word(word - start(child), low, words[child]);
+            child
         })
     }
 }
@@ -121,7 +142,7 @@ fn a_device_at_the_limits_of_vulkan_passes() {
         // The errors of the nodes on the way down to a light rarely add up.
         let too_rough = if row.function == 1 { 10.0 } else { 30.0 };
         assert_bounded(&row, signs.into_iter(), too_rough, |rough, i| match row.function {
-            1 => output([rough.importance(&TREE.nodes()[i.0[3] as usize], place(i))]),
+            1 => output([rough.importance(&node(i), place(i))]),
             2 => {
                 let (light, share) = rough.pick(place(i), [i.0[8], i.0[9]]);
                 output([light as f32, share])

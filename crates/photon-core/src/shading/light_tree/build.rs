@@ -1,68 +1,88 @@
-//! Builds the tree from above: each node is split where the sum of its children's costs is least, among 12 bins on each
-//! axis.
+//! Builds the tree from above: of the lights of a node, the part with the largest cost is split in two, where the sum of the
+//! costs is least among 12 bins on each axis, until there are as many parts as a node has children or none has more lights.
+
+use std::cmp::Ordering;
 
 use glam::DVec3;
 
 use super::bounds::{LightBounds, is_infinite};
-use super::{LEAF, LightNode, LightTree};
+use super::{LEAF, LightNodes, LightTree, TRAIL_BITS, WIDTH};
 use crate::scene::SceneView;
 
 /// Bins on an axis.
 const BINS: usize = 12;
-/// From this depth on, nodes are halved: less than 2³⁰ lights then end within [`super::MAX_DEPTH`].
-const MAX_UNEVEN_DEPTH: u32 = 32;
+/// From this depth on, the part with most lights is halved: less than 2³⁰ lights then end within [`super::MAX_DEPTH`].
+const MAX_UNEVEN_DEPTH: u32 = 10;
 
 pub(super) fn tree(scene: &SceneView<'_>) -> LightTree {
     let bounds: Vec<LightBounds> = scene.lights.iter().map(|light| LightBounds::of(scene, light)).collect();
     let mut building = Building { bounds, nodes: Vec::new(), trails: vec![0; scene.lights.len()] };
     let all = 0..scene.lights.len() as u32;
     let (infinite, finite): (Vec<u32>, Vec<u32>) = all.partition(|&index| is_infinite(&scene.lights[index as usize]));
-    if infinite.is_empty() || finite.is_empty() {
-        let is_infinite = finite.is_empty();
-        building.add(if is_infinite { infinite } else { finite }, is_infinite, (0, 0));
-    } else {
-        // No bounds of the root are read: lights nearby and lights at infinity have no common ones.
-        building.nodes.push(LightNode::default());
-        building.add(infinite, true, (0, 1));
-        building.nodes[0].next = building.nodes.len() as u32;
-        building.add(finite, false, (1, 1));
-    }
+    // Lights nearby and lights at infinity have no common bounds.
+    let parts = [(infinite, true), (finite, false)].into_iter().filter(|(lights, _)| !lights.is_empty());
+    let parts = parts.map(|(lights, infinite)| building.part(lights, infinite)).collect();
+    building.add(parts, 0, 0);
     LightTree { nodes: building.nodes, trails: building.trails }
+}
+
+/// Lights below one node.
+struct Part {
+    lights: Vec<u32>,
+    bounds: LightBounds,
+    infinite: bool,
 }
 
 struct Building {
     bounds: Vec<LightBounds>,
-    nodes: Vec<LightNode>,
+    nodes: Vec<LightNodes>,
     trails: Vec<u64>,
 }
 
 impl Building {
-    /// Appends the tree of these lights, at least one, at the end of a trail of `depth` bits.
-    fn add(&mut self, lights: Vec<u32>, infinite: bool, (trail, depth): (u64, u32)) {
-        let mut all = self.bounds[lights[0] as usize];
+    fn part(&self, lights: Vec<u32>, infinite: bool) -> Part {
+        let mut bounds = self.bounds[lights[0] as usize];
         for &light in &lights[1..] {
-            all = all.union(&self.bounds[light as usize]);
+            bounds = bounds.union(&self.bounds[light as usize]);
         }
-        let at = self.nodes.len();
-        self.nodes.push(all.node(infinite, LEAF | lights[0]));
-        if let [light] = lights[..] {
-            self.trails[light as usize] = trail;
-            return;
+        Part { lights, bounds, infinite }
+    }
+
+    /// Appends the children of a node at the end of a trail of `depth` levels, and all nodes below them; returns their
+    /// index.
+    fn add(&mut self, mut parts: Vec<Part>, trail: u64, depth: u32) -> u32 {
+        let uneven = depth < MAX_UNEVEN_DEPTH;
+        while parts.len() < WIDTH {
+            let Some(at) = next_to_split(&parts, uneven) else { break };
+            let infinite = parts[at].infinite;
+            let (first, second) = self.split(std::mem::take(&mut parts[at].lights), uneven);
+            parts.splice(at..=at, [self.part(first, infinite), self.part(second, infinite)]);
         }
-        let (first, second) = self.split(lights, depth);
-        self.add(first, infinite, (trail, depth + 1));
-        self.nodes[at].next = self.nodes.len() as u32;
-        self.add(second, infinite, (trail | 1 << depth, depth + 1));
+        let index = self.nodes.len();
+        self.nodes.push(LightNodes::NONE);
+        for (child, part) in parts.into_iter().enumerate() {
+            let (bounds, infinite) = (part.bounds, part.infinite);
+            let trail = trail | (child as u64) << (TRAIL_BITS * depth);
+            let next = match part.lights[..] {
+                [light] => {
+                    self.trails[light as usize] = trail;
+                    LEAF | light
+                }
+                _ => self.add(vec![part], trail, depth + 1),
+            };
+            self.nodes[index].set(child, &bounds.node(infinite, next));
+        }
+        index as u32
     }
 
     /// Splits two or more lights into two parts with at least one each; the lights stay in order.
-    fn split(&self, mut lights: Vec<u32>, depth: u32) -> (Vec<u32>, Vec<u32>) {
+    fn split(&self, mut lights: Vec<u32>, uneven: bool) -> (Vec<u32>, Vec<u32>) {
         let centroid = |light: &u32| self.bounds[*light as usize].centroid();
         let low = lights.iter().map(centroid).fold(DVec3::INFINITY, DVec3::min);
         let high = lights.iter().map(centroid).fold(DVec3::NEG_INFINITY, DVec3::max);
         let extent = high - low;
         let mut best: Option<(f64, usize, usize)> = None;
-        if depth < MAX_UNEVEN_DEPTH {
+        if uneven {
             for axis in (0..3).filter(|&axis| extent[axis] > 0.0) {
                 let (cost, after) = self.best_on_axis(&lights, |light| bin(centroid(light), low, extent, axis));
                 let cost = cost * (extent.max_element() / extent[axis]);
@@ -113,6 +133,18 @@ impl Building {
         }
         best
     }
+}
+
+/// The part to split: that of the largest cost, of lights nearby before those at infinity; if not `uneven`, that with most
+/// lights. Only parts with more lights than a node has children, so that the last nodes are full, unless the lights of all
+/// parts are as few. `None` if there is none.
+fn next_to_split(parts: &[Part], uneven: bool) -> Option<usize> {
+    let lights: usize = parts.iter().map(|part| part.lights.len()).sum();
+    let is_last = parts.len() == 1 || lights <= WIDTH;
+    let large = parts.iter().enumerate().filter(|(_, part)| part.lights.len() > if is_last { 1 } else { WIDTH });
+    let order = |part: &Part| (!part.infinite, if uneven { part.bounds.cost() } else { 0.0 }, part.lights.len());
+    let best = large.reduce(|a, b| if order(a.1).partial_cmp(&order(b.1)) == Some(Ordering::Less) { b } else { a });
+    best.map(|(at, _)| at)
 }
 
 fn bin(centroid: DVec3, low: DVec3, extent: DVec3, axis: usize) -> usize {

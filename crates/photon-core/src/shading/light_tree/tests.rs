@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{LEAF, LightTree, MAX_DEPTH, TREE_WORDS, WORDS, extend_word};
+use super::{LEAF, LightNode, LightTree, MAX_DEPTH, NO_CHILD, TRAIL_BITS, TREE_WORDS, WIDTH, WORDS, extend_word};
 use crate::scene::light::Light;
 use crate::scene::material::Primitive;
 use crate::scene::{SceneView, light_cdf, light_probability};
@@ -145,19 +145,57 @@ fn probabilities_sum_to_one_and_are_those_of_picks() {
     }
 }
 
-/// Every light is in one leaf, at the end of its trail.
+/// The nodes from below the root to the leaf of a light.
+fn way(tree: &LightTree, light: usize) -> Vec<LightNode> {
+    let (mut at, mut trail, mut way) = (0, tree.trails()[light], Vec::new());
+    loop {
+        let node = tree.nodes()[at].node(trail as usize % WIDTH);
+        way.push(node);
+        trail >>= TRAIL_BITS;
+        if node.next & LEAF != 0 {
+            assert_eq!((node.next & !LEAF, trail), (light as u32, 0));
+            return way;
+        }
+        at = node.next as usize;
+    }
+}
+
+/// Every light is in one leaf, at the end of its trail; children come first, at least two for each node.
 #[test]
 fn trails_lead_to_their_lights() {
     let lights = Lights::mixed();
     let tree = LightTree::new(&lights.view());
-    assert_eq!(tree.nodes().len(), 2 * lights.lights.len() - 1);
-    for (light, &trail) in tree.trails().iter().enumerate() {
-        let (mut at, mut trail) = (0, trail);
-        while tree.nodes()[at].next & LEAF == 0 {
-            at = if trail & 1 == 0 { at + 1 } else { tree.nodes()[at].next as usize };
-            trail >>= 1;
+    (0..lights.lights.len()).for_each(|light| assert!(way(&tree, light).len() <= 4));
+    let children = tree.nodes().iter().map(|nodes| {
+        let count = nodes.next.iter().filter(|&&next| next != NO_CHILD).count();
+        assert!(count >= 2 && nodes.next[..count].iter().all(|&next| next != NO_CHILD), "{:?}", nodes.next);
+        count
+    });
+    assert_eq!(children.sum::<usize>(), lights.lights.len() + tree.nodes().len() - 1);
+}
+
+/// Each child is selected in proportion to the importance of its node, which is what is computed for it alone; the largest
+/// by all words that the others leave.
+#[test]
+fn words_are_in_proportion_to_the_importance() {
+    let lights = Lights::mixed();
+    let tree = LightTree::new(&lights.view());
+    for index in 0..200 {
+        let (position, normal) = place(index);
+        for nodes in tree.nodes() {
+            let words = nodes.words(position, normal);
+            assert_eq!(words.iter().map(|&part| u64::from(part)).sum::<u64>(), 1 << 32);
+            let weights: [f32; WIDTH] = std::array::from_fn(|child| nodes.node(child).importance(position, normal));
+            let total: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();
+            for (child, (&words, weight)) in words.iter().zip(weights).enumerate() {
+                if nodes.next[child] == NO_CHILD {
+                    assert_eq!(words, 0);
+                } else if total > 0.0 {
+                    let expected = (f64::from(weight) / total * WORDS).max(1.0);
+                    assert!((f64::from(words) - expected).abs() <= 9.0 + 4e-7 * expected, "{words}, {expected}");
+                }
+            }
         }
-        assert_eq!((tree.nodes()[at].next & !LEAF, trail), (light as u32, 0));
     }
 }
 
@@ -179,11 +217,8 @@ fn what_shines_is_important() {
                 continue;
             }
             lit += 1;
-            let (mut at, mut trail) = (0, tree.trails()[light]);
-            while tree.nodes()[at].next & LEAF == 0 {
-                at = if trail & 1 == 0 { at + 1 } else { tree.nodes()[at].next as usize };
-                trail >>= 1;
-                assert!(tree.nodes()[at].importance(position, normal) > 0.0, "light {light} at point {index}");
+            for node in way(&tree, light) {
+                assert!(node.importance(position, normal) > 0.0, "light {light} at point {index}");
             }
         }
     }
@@ -223,19 +258,14 @@ fn extreme_lights_end_and_stay_unbiased() {
     };
     let lights = Lights::points((0..100_000).map(light));
     let tree = LightTree::new(&lights.view());
-    let depth = depth(&tree, 0);
-    assert!((17..=MAX_DEPTH).contains(&depth), "{depth}");
+    let depth = (0..lights.lights.len()).map(|light| way(&tree, light).len()).max().unwrap();
+    assert!((6..=MAX_DEPTH as usize).contains(&depth), "{depth}");
     let at = (Vec3::new(0.1, 0.0, 0.1), Vec3::Y);
     let sum: f64 = probabilities(&tree, &lights, at).iter().sum();
     assert!((sum - 1.0).abs() < 1e-12, "{sum}");
     for index in 0..4 {
         assert_unbiased(&lights, &tree, (Vec3 { y: -0.1, ..place(index).0 }, Vec3::Y), 20_000);
     }
-}
-
-fn depth(tree: &LightTree, at: usize) -> u32 {
-    let next = tree.nodes()[at].next;
-    if next & LEAF != 0 { 0 } else { 1 + depth(tree, at + 1).max(depth(tree, next as usize)) }
 }
 
 /// A lit point in the middle of coincident lights, and one that no light reaches, are picked with finite probabilities.

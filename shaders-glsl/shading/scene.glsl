@@ -111,7 +111,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer En
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LightTrails { uvec2 at; };
 
-// A tree over many lights: its nodes, and the path from the root to the leaf of each light.
+// A tree over many lights: its nodes, LIGHT_TREE_WIDTH children of one node after the other, and the path from the root to the
+// leaf of each light. A node's `next` counts such groups of children.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LightTreeRef {
     LightNodes nodes;
     LightTrails trails;

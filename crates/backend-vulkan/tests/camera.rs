@@ -280,8 +280,10 @@ fn every_kind_of_light_is_chosen_alike() {
     for count in [4, 9, 40] {
         let scene = lights(count);
         let (queries, _) = look(&mut cpu, &scene, &[1]);
-        let [a] = light(&mut cpu, &scene, &queries, [(4, 1)]);
-        let [b, other] = light(&mut gpu, &scene, &queries, [(4, 1), (4, 2)]);
+        let [a, odd] = light(&mut cpu, &scene, &queries, [(4, 1), (3, 1)]);
+        let [b, other, odd_there] = light(&mut gpu, &scene, &queries, [(4, 1), (4, 2), (3, 1)]);
+        let (worst, total) = apart(&odd, &odd_there, Layer::Direct, 0.002);
+        assert!(worst < 1e-4 && total < 1e-4, "{count}, three rays: {worst} {total}");
         let (worst, total) = apart(&a, &b, Layer::Direct, 0.002);
         eprintln!("{} lights: {worst:e}, total {total:e}", scene.view().lights.len());
         assert!(worst < 1e-4 && total < 1e-4, "{count}: {worst} {total}");

@@ -1,6 +1,6 @@
-//! Runtime dispatch: each search is compiled for the baseline, for AVX2 and for AVX-512, and the version to run is
-//! selected when an index is built. None of them fuses or reorders floating-point operations, so the results are
-//! bit-identical.
+//! Runtime dispatch: searches in indices and descents of light trees are compiled for the baseline, for AVX2 and for
+//! AVX-512, and the version to run is selected when an index or a tree is built. None of them fuses or reorders
+//! floating-point operations, so the results are bit-identical.
 
 use crate::index::lanes::{Baseline, Lanes};
 #[cfg(target_arch = "x86_64")]
@@ -65,7 +65,7 @@ impl Isa {
 
     /// Runs `search` compiled for this instruction set.
     #[inline]
-    pub(crate) fn run<S: IndexSearch>(self, search: S) -> S::Output {
+    pub(crate) fn run<S: Dispatched>(self, search: S) -> S::Output {
         match self {
             Isa::Baseline => search.run(Baseline),
             #[cfg(target_arch = "x86_64")]
@@ -89,7 +89,7 @@ impl Isa {
 
 /// Work compiled once per instruction set. `run`, and everything in it that should be compiled for the instruction
 /// set, has to be `#[inline(always)]`.
-pub(crate) trait IndexSearch {
+pub(crate) trait Dispatched {
     type Output;
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
@@ -149,12 +149,12 @@ impl Lanes for Avx512 {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,popcnt,lzcnt")]
-fn avx2<S: IndexSearch>(search: S) -> S::Output {
+fn avx2<S: Dispatched>(search: S) -> S::Output {
     search.run(Avx2(()))
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,bmi1,bmi2,popcnt,lzcnt")]
-fn avx512<S: IndexSearch>(search: S) -> S::Output {
+fn avx512<S: Dispatched>(search: S) -> S::Output {
     search.run(Avx512(()))
 }

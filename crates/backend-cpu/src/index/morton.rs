@@ -11,7 +11,7 @@
 //!
 //! Each block then has sixteen consecutive points, each node sixteen consecutive blocks or nodes.
 
-use crate::index::dispatch::{IndexSearch, Isa};
+use crate::index::dispatch::{Dispatched, Isa};
 use crate::index::lanes::Lanes;
 use crate::index::layout::WIDTH;
 use crate::index::points::Bounds;
@@ -45,7 +45,7 @@ struct Encode<'a> {
     keyed: &'a mut [Keyed],
 }
 
-impl IndexSearch for Encode<'_> {
+impl Dispatched for Encode<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -8,7 +8,7 @@
 //! points are found.
 
 use crate::index::accept::Accept;
-use crate::index::dispatch::IndexSearch;
+use crate::index::dispatch::Dispatched;
 use crate::index::lanes::{Lanes, to_boxes, to_points};
 use crate::index::layout::{LEAF, Tree, WIDTH};
 use crate::index::range::blocks_within;
@@ -96,7 +96,7 @@ pub(crate) struct Nearest<'a, A> {
     pub(crate) out: &'a mut Neighbours,
 }
 
-impl<A: Accept> IndexSearch for Nearest<'_, A> {
+impl<A: Accept> Dispatched for Nearest<'_, A> {
     type Output = ();
 
     #[inline(always)]

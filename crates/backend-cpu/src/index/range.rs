@@ -1,6 +1,6 @@
 //! Range search: all points within a radius.
 
-use crate::index::dispatch::IndexSearch;
+use crate::index::dispatch::Dispatched;
 use crate::index::lanes::{Distances, Lanes, to_boxes, to_far_corners, to_points};
 use crate::index::layout::{LEAF, MAX_DEPTH, Tree, WIDTH};
 
@@ -77,7 +77,7 @@ pub(crate) struct Within<'a, T, F> {
     pub(crate) fold: F,
 }
 
-impl<T, F: Fold<T>> IndexSearch for Within<'_, T, F> {
+impl<T, F: Fold<T>> Dispatched for Within<'_, T, F> {
     type Output = T;
 
     #[inline(always)]
@@ -114,7 +114,7 @@ pub(crate) struct WithinBatches<'a, B> {
     pub(crate) batches: &'a mut B,
 }
 
-impl<B: Batches> IndexSearch for WithinBatches<'_, B> {
+impl<B: Batches> Dispatched for WithinBatches<'_, B> {
     type Output = ();
 
     #[inline(always)]
@@ -147,7 +147,7 @@ pub(crate) struct Count<'a> {
     pub(crate) r2: f32,
 }
 
-impl IndexSearch for Count<'_> {
+impl Dispatched for Count<'_> {
     type Output = u32;
 
     #[inline(always)]

@@ -4,7 +4,7 @@
 //! Points start in order of their ids, and every split preserves that order on both sides. Equal coordinates
 //! therefore go left by lower id without comparing ids, and blocks end up in order of their ids without a sort.
 
-use crate::index::dispatch::{IndexSearch, Isa};
+use crate::index::dispatch::{Dispatched, Isa};
 use crate::index::lanes::{Collected, Distributed, Lanes};
 use crate::index::points::Item;
 
@@ -52,7 +52,7 @@ struct Split<'a, const AXIS: usize> {
     scratch: &'a mut Scratch,
 }
 
-impl<const AXIS: usize> IndexSearch for Split<'_, AXIS> {
+impl<const AXIS: usize> Dispatched for Split<'_, AXIS> {
     type Output = ();
 
     #[inline(always)]

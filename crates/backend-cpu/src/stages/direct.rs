@@ -123,7 +123,9 @@ fn irradiance<const SHADED: bool>(
             let (others, more) = draw(first + 1);
             (light_sampler.pick([words, others]), [points, more])
         } else {
-            (light_sampler.pick([words]).map(|one| [one; 2])[0], [points; 2])
+            // The second is not used.
+            let [picked] = light_sampler.pick([words]);
+            ([picked; 2], [points; 2])
         };
         let rest = (rays - first) as usize;
         for ((index, share), [u, v, low]) in picked.into_iter().zip(points).take(rest) {

@@ -4,7 +4,7 @@ use photon_core::SceneView;
 use photon_core::glam::Vec3;
 use photon_core::light_tree::LightTree;
 
-use crate::index::dispatch::{IndexSearch, Isa};
+use crate::index::dispatch::{Dispatched, Isa};
 use crate::index::lanes::Lanes;
 
 /// A light tree, and the instruction set for its descents; all instruction sets have equal results.
@@ -43,7 +43,7 @@ struct Pick<'a, const N: usize> {
     random: [[u32; 2]; N],
 }
 
-impl<const N: usize> IndexSearch for Pick<'_, N> {
+impl<const N: usize> Dispatched for Pick<'_, N> {
     type Output = [(usize, f64); N];
 
     #[inline(always)]
@@ -60,7 +60,7 @@ struct Probability<'a> {
     index: usize,
 }
 
-impl IndexSearch for Probability<'_> {
+impl Dispatched for Probability<'_> {
     type Output = f64;
 
     #[inline(always)]
@@ -72,7 +72,8 @@ impl IndexSearch for Probability<'_> {
 #[cfg(test)]
 mod tests {
     use photon_core::random::SplitMix64;
-    use photon_core::sampling;
+    use photon_core::{EnvironmentMap, sampling};
+    use photon_scene::LightDesc;
 
     use super::*;
 
@@ -80,8 +81,12 @@ mod tests {
     /// photon-core, for points, spots, triangles and lights at infinity.
     #[test]
     fn instruction_sets_agree() {
-        for name in ["many-lights", "furnace"] {
-            let scene = photon_scene::builtin(name).unwrap().build().unwrap();
+        let mut lit_by_a_sun = photon_scene::builtin("many-lights").unwrap();
+        let (direction, irradiance) = ([0.3, -1.0, 0.2], [1.0; 3]);
+        lit_by_a_sun.light("sun", LightDesc::Directional { direction, irradiance });
+        lit_by_a_sun.environment(EnvironmentMap::new(4, &[[0.2; 3]; 8], 0.0).unwrap());
+        for scene in [lit_by_a_sun, photon_scene::builtin("furnace").unwrap()] {
+            let scene = scene.build().unwrap();
             let view = scene.view();
             let expected = LightTree::new(&view);
             let trees: Vec<_> =

@@ -45,7 +45,7 @@ pub(super) static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 
 pub(super) static TREE: LazyLock<LightTree> = LazyLock::new(|| LightTree::new(&SCENE.view()));
 
-/// The bound of an importance, times its condition. Three divisions and two roots change it by 2e-6 of itself, the
+/// The bound of an importance, times its condition. Two divisions and two roots change it by 1.7e-6 of itself, the
 /// roundings of twenty products and sums by less than 1e-6, and four roots in angles by 1e-6 times its derivative.
 pub(super) const ERROR: f64 = 4e-6;
 

@@ -2,7 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::DEFENSIVE_SHARE;
-use photon_core::light_tree::{LEAF, LightNode, TRAIL_BITS, TREE_WORDS, WIDTH};
+use photon_core::light_tree::{LEAF, LightNode, NO_CHILD, TRAIL_BITS, TREE_WORDS, WIDTH};
 
 use super::Input;
 use super::light_tree::{ERROR, Place, SCENE, TREE, node, place};
@@ -77,7 +77,7 @@ fn descent(light: usize, at: Place) -> Descent {
         };
         // What the others get wrong, the largest share gets wrong too.
         let others: f64 = (0..WIDTH)
-            .filter(|&child| child != largest)
+            .filter(|&child| child != largest && nodes.next[child] != NO_CHILD)
             .map(|child| shares[child] * (SHARE + slope(child)) + WORD / ERROR)
             .sum();
         let child = trail as usize % WIDTH;

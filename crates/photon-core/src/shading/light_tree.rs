@@ -56,7 +56,10 @@ pub struct LightTree {
 
 impl LightTree {
     /// Builds the tree of the lights of a scene that [`SceneView::validate`] accepts. Deterministic; ties are broken by
-    /// index. The number of lights must be above 1 and below 2³⁰.
+    /// index.
+    ///
+    /// # Panics
+    /// With less than 2 lights, or with 2³⁰ or more.
     #[must_use]
     pub fn new(scene: &SceneView<'_>) -> Self {
         build::tree(scene)

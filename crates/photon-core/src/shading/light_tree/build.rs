@@ -1,20 +1,25 @@
 //! Builds the tree from above: of the lights of a node, the part with the largest cost is split in two, where the sum of the
-//! costs is least among 12 bins on each axis, until there are as many parts as a node has children or none has more lights.
+//! costs is least among 12 bins on each axis, until there are as many parts as a node has children, or until each part has as
+//! few lights.
 
 use std::cmp::Ordering;
 
 use glam::DVec3;
 
 use super::bounds::{LightBounds, is_infinite};
-use super::{LEAF, LightNodes, LightTree, TRAIL_BITS, WIDTH};
+use super::{LEAF, LightNodes, LightTree, MAX_DEPTH, TRAIL_BITS, WIDTH};
 use crate::scene::SceneView;
 
 /// Bins on an axis.
 const BINS: usize = 12;
-/// From this depth on, the part with most lights is halved: less than 2³⁰ lights then end within [`super::MAX_DEPTH`].
+/// From this depth on, the part with most lights is halved: less than 2³⁰ lights then end within [`MAX_DEPTH`].
 const MAX_UNEVEN_DEPTH: u32 = 10;
 
+// Trails have 64 bits.
+const _: () = assert!(MAX_DEPTH * TRAIL_BITS <= 64);
+
 pub(super) fn tree(scene: &SceneView<'_>) -> LightTree {
+    assert!((2..1 << 30).contains(&scene.lights.len()), "a light tree has from 2 to 2³⁰ − 1 lights");
     let bounds: Vec<LightBounds> = scene.lights.iter().map(|light| LightBounds::of(scene, light)).collect();
     let mut building = Building { bounds, nodes: Vec::new(), trails: vec![0; scene.lights.len()] };
     let all = 0..scene.lights.len() as u32;

@@ -94,7 +94,7 @@ impl LightNodes {
 
     /// [`LightNode::importance`] of each child; 0 where there is none.
     #[inline(always)]
-    fn importances(&self, position: Vec3, normal: Vec3) -> [f32; WIDTH] {
+    pub(super) fn importances(&self, position: Vec3, normal: Vec3) -> [f32; WIDTH] {
         let mut importances = [0.0; WIDTH];
         let (mut has_cones, mut is_infinite) = (false, false);
         for child in 0..WIDTH {
@@ -148,7 +148,7 @@ fn sum(of: &[f32; WIDTH]) -> f32 {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
-// Of numbers: the methods of `f32` treat what is not a number otherwise than processors do.
+// Nothing here is NaN, which the methods of `f32` ignore by further instructions.
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

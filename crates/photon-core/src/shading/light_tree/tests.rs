@@ -186,6 +186,7 @@ fn words_are_in_proportion_to_the_importance() {
             let words = nodes.words(position, normal);
             assert_eq!(words.iter().map(|&part| u64::from(part)).sum::<u64>(), 1 << 32);
             let weights: [f32; WIDTH] = std::array::from_fn(|child| nodes.node(child).importance(position, normal));
+            assert_eq!(nodes.importances(position, normal), weights);
             let total: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();
             for (child, (&words, weight)) in words.iter().zip(weights).enumerate() {
                 if nodes.next[child] == NO_CHILD {
@@ -266,6 +267,66 @@ fn extreme_lights_end_and_stay_unbiased() {
     for index in 0..4 {
         assert_unbiased(&lights, &tree, (Vec3 { y: -0.1, ..place(index).0 }, Vec3::Y), 20_000);
     }
+}
+
+/// 20 point lights in each of 120 places at distances that halve: more levels than are split unevenly.
+#[test]
+fn deep_trees_are_halved() {
+    let place = |index: u32| ([0.5_f32.powi((index / 20) as i32), 0.1, 0.0], 1.0 / 2400.0);
+    let lights = Lights::points((0..2400).map(place));
+    let tree = LightTree::new(&lights.view());
+    let depth = (0..lights.lights.len()).map(|light| way(&tree, light).len()).max().unwrap();
+    assert!((11..=MAX_DEPTH as usize).contains(&depth), "{depth}");
+    assert_unbiased(&lights, &tree, (Vec3::new(0.1, 0.0, 0.1), Vec3::Y), 20_000);
+}
+
+/// Few lights, only lights at infinity, lights of both kinds, and lights without power: every choice has all random words, and
+/// several picks at once are those of one after the other.
+#[test]
+fn small_trees_choose_as_large_ones_do() {
+    let mixed = Lights::mixed();
+    let of = |places: &[usize], power: f32| {
+        let mut some =
+            Lights { lights: places.iter().map(|&place| mixed.lights[place]).collect(), ..Lights::default() };
+        some.lights.iter_mut().for_each(|light| light.power = light.power.map(|part| part * power));
+        some.with_shares()
+    };
+    // Points from 40 on, spots from 80 on, directional lights from 120 on.
+    for (places, power) in [
+        (&[40, 41][..], 1.0),
+        (&[40, 120], 1.0),
+        (&[120, 121], 1.0),
+        (&[120, 121, 122, 40, 81, 82, 83, 84, 85, 86, 87, 88], 1.0),
+        (&[40, 41, 42], 0.0),
+        (&[40, 41, 120], 0.0),
+    ] {
+        let lights = of(places, power);
+        let tree = LightTree::new(&lights.view());
+        for index in 0..50 {
+            let (position, normal) = place(index);
+            for nodes in tree.nodes() {
+                let words = nodes.words(position, normal);
+                assert_eq!(words.iter().map(|&part| u64::from(part)).sum::<u64>(), 1 << 32, "{places:?}");
+                assert!((0..WIDTH).all(|child| (words[child] == 0) == (nodes.next[child] == NO_CHILD)), "{words:?}");
+            }
+            let words: [[u32; 2]; 3] = std::array::from_fn(|pick| {
+                let [random, low, ..] = philox4x32([index, pick as u32, 4, 0], [7, 0]);
+                [random, low]
+            });
+            let each = words.map(|words| tree.pick(&lights.starts, position, normal, words));
+            assert_eq!(tree.pick_several(&lights.starts, position, normal, words), each);
+            assert_eq!(tree.pick_several(&lights.starts, position, normal, [words[0], words[1]]), [each[0], each[1]]);
+            for (light, probability) in each {
+                assert_eq!(tree.probability(&lights.starts, position, normal, light), probability);
+            }
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "from 2")]
+fn one_light_has_no_tree() {
+    let _ = LightTree::new(&Lights::points([([0.0; 3], 1.0)].into_iter()).view());
 }
 
 /// A lit point in the middle of coincident lights, and one that no light reaches, are picked with finite probabilities.

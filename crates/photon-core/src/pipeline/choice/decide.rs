@@ -14,10 +14,6 @@ const MAX_DIRECT: f64 = 0.5;
 /// passes hardly show rare bright photons, of which more are found.
 const HARDLY_MORE: f64 = 1.15;
 
-/// Or, with this limit on the error, which forecasts hardly distinguish, if a pass takes at most [`LITTLE_MORE`] times as long.
-const NEARLY_EQUAL: f64 = 1.05;
-const LITTLE_MORE: f64 = 1.25;
-
 /// With that many times the passes of [`passes_per_pixel`], direct light is no reason against a radius for each pixel: its noise
 /// falls faster than bias.
 const MANY_TIMES: f64 = 2.0;
@@ -45,11 +41,7 @@ pub(super) fn decide(
     let best = candidates
         .iter()
         .filter(|each| each.photons >= best.photons && (each.area, each.gather_rays) == (best.area, best.gather_rays))
-        .filter(|each| {
-            let within =
-                |seconds: f64, error: f64| each.seconds <= seconds * best.seconds && each.error <= error * best.error;
-            within(HARDLY_MORE, HARDLY_MORE) || within(LITTLE_MORE, NEARLY_EQUAL)
-        })
+        .filter(|each| each.seconds <= HARDLY_MORE * best.seconds && each.error <= HARDLY_MORE * best.error)
         .max_by(|a, b| a.photons.cmp(&b.photons).then(b.error.total_cmp(&a.error)))
         .copied()
         .unwrap_or(best);
@@ -120,10 +112,6 @@ mod tests {
         ] {
             let expected = if is_chosen { other } else { best };
             assert_eq!(decided(&[best, other], 1.0).0, expected, "{other:?}");
-        }
-        for (other, is_chosen) in [(more(0.0124, 1.04), true), (more(0.0124, 1.06), false), (more(0.0126, 1.04), false)]
-        {
-            assert_eq!(decided(&[best, other], 1.0).0, if is_chosen { other } else { best }, "{other:?}");
         }
         let fewer = Candidate { photons: 2000, ..more(0.0101, 1.0) };
         let wide = Candidate { radius_factor: 1.4, ..more(0.0114, 1.13) };

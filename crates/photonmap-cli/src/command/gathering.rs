@@ -106,7 +106,39 @@ fn add(to: &mut Vec<Candidate>, others: Vec<Candidate>) {
 
 #[cfg(test)]
 mod tests {
+    use backend_cpu::Cpu;
+    use clap::Parser as _;
+
     use super::*;
+    use crate::args::RenderArgs;
+
+    /// Final gathering is taken if it is better, otherwise what was chosen with maps; the candidates of both are told.
+    #[test]
+    fn the_better_one_is_rendered() {
+        let args = RenderArgs::try_parse_from(["render", "--time", "5"]).unwrap().settings;
+        let scene = photon_scene::builtin("cornell").unwrap().build().unwrap();
+        let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+        let settings = Settings { photons: 2000, ..Settings::default() };
+        for (error_of_maps, indirect) in [(0.0, Indirect::Map), (1e9, Indirect::Gather)] {
+            let mut renderer =
+                Pipeline::new(Cpu::with_threads(1).unwrap(), &scene.view(), view, settings.clone()).unwrap();
+            let open = Open { photons: false, area: true, radius_factor: true, bandwidth: false, gather_rays: false };
+            let mut choice = renderer.choose(&scene.view(), 5.0, open).unwrap().unwrap();
+            choice.candidates.iter_mut().for_each(|candidate| candidate.error = error_of_maps);
+            let (by_map, area) = (choice.candidates.len(), choice.area);
+            let (mut renderer, chosen, compared) =
+                choose(renderer, (&args, Instant::now()), (&scene, view), settings.clone(), choice).unwrap();
+            assert_eq!(chosen.indirect, indirect);
+            assert!(indirect == Indirect::Gather || chosen.area == area);
+            assert_eq!(renderer.facts().required.final_gather, indirect == Indirect::Gather);
+            let compared = compared.unwrap();
+            let gathered = compared.candidates.iter().filter(|each| each.gather_rays.is_some()).count();
+            assert!(gathered == 3 && compared.candidates.len() == by_map + 3, "{gathered}");
+            assert!(compared.candidates.is_sorted_by(|a, b| a.error <= b.error));
+            assert_eq!(compared.chosen().unwrap().gather_rays.is_some(), indirect == Indirect::Gather);
+            renderer.pass(0, &mut ()).unwrap();
+        }
+    }
 
     #[test]
     fn trials_take_little_of_the_time_and_may_help() {

@@ -29,6 +29,7 @@ mod attributes;
 mod buffers;
 mod container;
 mod extensions;
+mod factors;
 mod fault;
 mod material;
 mod mean;

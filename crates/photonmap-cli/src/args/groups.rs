@@ -71,13 +71,13 @@ pub struct OutputArgs {
     /// none].
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// Exposure of the PNG, in stops, or `auto`.
+    /// Exposure of the PNG, in stops, or `auto` [default: auto if there is an environment, otherwise 0].
     ///
     /// `auto` makes the mean of the logarithm of the luminance that of a grey of 18 %: of the pixels at least half
     /// covered by surfaces (all, if there are none) and not black, without the darkest and the brightest tenth. It is
     /// printed. An EXR is not affected.
-    #[arg(long, value_name = "EV|auto", default_value = "0", allow_negative_numbers = true, hide_short_help = true)]
-    pub exposure: Exposure,
+    #[arg(long, value_name = "EV|auto", allow_negative_numbers = true, hide_short_help = true)]
+    pub exposure: Option<Exposure>,
     /// Tone curve of the PNG.
     #[arg(long, value_enum, default_value_t = ToneMap::Neutral, hide_short_help = true)]
     pub tonemap: ToneMap,

@@ -6,6 +6,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{Root, Value};
 use photon_core::TexelFormat;
 
+use super::factors;
 use super::fault::{AGAIN, Fault, label};
 use super::mean::Mean;
 use super::slot::Slot;
@@ -92,6 +93,7 @@ pub(super) fn read(
 
     let none = extension::Material::default();
     let extensions = material.extensions.as_ref().unwrap_or(&none);
+    factors::check(extensions, &part)?;
     let pbr = &material.pbr_metallic_roughness;
     let mut factor = pbr.base_color_factor.0.map(f64::from);
     let mut metallic = f64::from(pbr.metallic_factor.0);

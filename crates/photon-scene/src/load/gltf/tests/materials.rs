@@ -249,6 +249,30 @@ fn bad_materials_are_named() {
             r#""pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"KHR_materials_specular": {"specularFactor": -0.5}}"#,
             ["material 'it'", "specular"],
         ),
+        (
+            r#""extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": "one"}}"#,
+            ["KHR_materials_clearcoat", "clearcoatFactor is \"one\""],
+        ),
+        (
+            r#""extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1]}}"#,
+            ["sheenColorFactor is [1,1]", "must be 3 numbers"],
+        ),
+        (
+            r#""extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": -3}}"#,
+            ["material 0 'it'", "clearcoatFactor is -3; it must be a number from 0 to 1"],
+        ),
+        (
+            r#""extensions": {"KHR_materials_anisotropy": []}"#,
+            ["material 0 'it'", "KHR_materials_anisotropy is no object"],
+        ),
+        (
+            r#""extensions": {"KHR_materials_transmission": {"transmissionFactor": 5}}"#,
+            ["material 0 'it'", "transmissionFactor is 5; it must be a number from 0 to 1"],
+        ),
+        (
+            r#""extensions": {"KHR_materials_transmission": {"transmissionFactor": -5}}"#,
+            ["material 0 'it'", "transmissionFactor is -5"],
+        ),
         (r#""emissiveFactor": [-1, 0, 0]"#, ["material 'it'", "emission"]),
         (r#""emissiveFactor": [1e39, 0, 0]"#, ["material 'it'", "inf"]),
         (r#""alphaMode": "FOG""#, ["material 0 'it'", "alphaMode"]),

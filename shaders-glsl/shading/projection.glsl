@@ -25,6 +25,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pro
 // Random words to be used in place of those that selected the cell.
 struct ProjectionSample {
     uint light;
+    // Index of the first cell of the light.
+    uint first;
     vec3 carried;
     uvec2 point;
     uvec2 direction;
@@ -54,6 +56,7 @@ ProjectionSample projection_sample(ProjectionRef projection, uvec4 light, uvec4 
     uint direction_mask = (1u << q) - 1u;
     ProjectionSample projected;
     projected.light = target.light;
+    projected.first = target.first;
     projected.carried = target.carried;
     projected.point = uvec2(
         aim_within(cell >> (2u * q + p) & point_mask, p, light.y),
@@ -63,6 +66,13 @@ ProjectionSample projection_sample(ProjectionRef projection, uvec4 light, uvec4 
         aim_within(cell & direction_mask, q, start.y));
     projected.side = cell >> (2u * p + 2u * q) << 31 | light.w >> 1;
     return projected;
+}
+
+// The disc of the aimed photons of an environment: centre and radius.
+vec4 projection_disc(ProjectionRef projection, ProjectionSample projected) {
+    uint first = projected.first - 4u;
+    return uintBitsToFloat(uvec4(projection.cells[first].at, projection.cells[first + 1u].at,
+        projection.cells[first + 2u].at, projection.cells[first + 3u].at));
 }
 
 #endif

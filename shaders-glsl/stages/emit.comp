@@ -47,6 +47,13 @@ vec3 before_disc(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, float radius
     return before;
 }
 
+// The same for a disc of an environment's aimed photons, from as far away as those that are not aimed.
+vec3 behind_part(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, vec4 disc, float radius) {
+    precise float away = radius + (disc.x * along.x + disc.y * along.y + disc.z * along.z);
+    precise vec3 behind = disc.xyz + (tangent * at.x + bitangent * at.y) * disc.w - along * away;
+    return behind;
+}
+
 // The power of a photon of an environment; `carried` over `power` is the reciprocal of the light's probability.
 vec3 environment_power(vec3 weight, vec3 power, vec3 carried, float radius) {
     float reciprocal = max(max(carried.x, carried.y), carried.z) / max(max(power.x, power.y), power.z);
@@ -63,8 +70,9 @@ void main() {
     uvec4 start = sampler_words(numbers, BLOCK_START);
     uint picked;
     vec3 carried;
+    ProjectionSample projected;
     if (AIMED) {
-        ProjectionSample projected = projection_sample(push.projection, choice, start);
+        projected = projection_sample(push.projection, choice, start);
         picked = projected.light;
         carried = projected.carried;
         choice.yzw = uvec3(projected.point, projected.side);
@@ -112,18 +120,21 @@ void main() {
         EnvironmentSample found = environment_sample(push.scene, start.xy);
         direction = -found.direction;
         carried = environment_power(found.weight, light.power, carried, light.radius);
-        if (PORTALS) {
-            // The highest bit of an aimed photon's side is that of its cell, which is 0.
-            uint word = AIMED ? choice.w << 1 : choice.w;
+        if (PORTALS && !AIMED) {
             PortalLine line =
-                portals_sample(push.portals, push.portal_count, direction, word, vec2(a, b), light.radius);
+                portals_sample(push.portals, push.portal_count, direction, choice.w, vec2(a, b), light.radius);
             origin = portal_origin(line.across, direction, light.radius);
             carried = portal_power(carried, line.factor);
         } else {
             vec2 at = sampling_disc(a, b);
             vec3 tangent, bitangent;
             sampling_basis(direction, tangent, bitangent);
-            origin = behind_disc(direction, tangent, bitangent, at, light.radius);
+            if (AIMED) {
+                vec4 disc = projection_disc(push.projection, projected);
+                origin = behind_part(direction, tangent, bitangent, at, disc, light.radius);
+            } else {
+                origin = behind_disc(direction, tangent, bitangent, at, light.radius);
+            }
         }
     } else if ((FEATURES & FEATURE_AREA_LIGHTS) != 0u) {
         vec2 weights = sampling_triangle(a, b);

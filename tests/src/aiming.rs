@@ -1,11 +1,13 @@
 //! Aimed photons: the same expected light as with photons emitted in all directions.
 
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 
+use photon_core::glam::{Vec2, Vec3};
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler};
 use photon_core::{
-    Backend, Batch, CausticPhotons, Direct, Estimator, Indirect, Light, MapKind, Pass, PerMap, Photon, PhotonRay,
-    ProjectionMap, Ray, RayCaster, Render, Requirements, Settings, TransportBackend,
+    Backend, Batch, CausticPhotons, Direct, EnvironmentMap, Estimator, Indirect, Light, MapKind, Pass, PerMap, Photon,
+    PhotonRay, ProjectionMap, Ray, RayCaster, Render, Requirements, Settings, TransportBackend, sampling,
 };
 use photon_scene::{Accel, CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
@@ -14,7 +16,7 @@ use crate::harness::{TestBackend, per_pass, renderer};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
 /// Kinds of lights, one scene each; the last has all of them.
-const LIGHT_KINDS: [&str; 5] = ["point", "spot", "sun", "panel", "all"];
+const LIGHT_KINDS: [&str; 6] = ["point", "spot", "sun", "panel", "environment", "all"];
 
 /// A glass ball, a mirror and a pane above a floor, lit by `kinds`. If not `whole`, only a small bead in the place
 /// of the ball: a scene for a projection map that does not match.
@@ -45,6 +47,11 @@ fn room(kinds: &str, whole: bool) -> Scene {
     if has("panel") {
         let lit = builder.material(MaterialDesc::emissive("panel", [0.0; 3], [1.0; 3]));
         builder.quad("panel", [[-1.0, 2.0, -1.0], [0.5, 2.0, -1.0], [0.5, 2.0, 0.2], [-1.0, 2.0, 0.2]], lit);
+    }
+    if has("environment") {
+        // Half of its light from a ninth of the directions.
+        let texel = |i: usize| if i % 9 == 4 { [2.0, 2.5, 3.0] } else { [0.3; 3] };
+        builder.environment(EnvironmentMap::new(12, &(0..72).map(texel).collect::<Vec<_>>(), 0.1).unwrap());
     }
     if has("sheet") {
         let both = MaterialDesc::emissive("sheet", [0.2; 3], [2.0; 3]).with_both_sides(true);
@@ -152,8 +159,20 @@ impl<'a> Cells<'a> {
         Self { projection, marked: projection.targets().iter().flat_map(own).collect() }
     }
 
-    fn holds(&self, light: u32, both: bool, [_, a, b, side]: [u32; 4], [c, d, ..]: [u32; 4]) -> bool {
-        let Some(t) = self.projection.targets().iter().find(|t| t.light == light) else { return false };
+    /// Whether the cell is marked through which a photon of `light` with these random words leaves along `ray`.
+    fn holds(&self, light: &Light, ray: &PhotonRay, words: [u32; 4], [c, d, ..]: [u32; 4]) -> bool {
+        let Some(t) = self.projection.targets().iter().find(|t| t.light == ray.light) else { return false };
+        let [_, mut a, mut b, side] = words;
+        if light.kind == Light::ENVIRONMENT {
+            // The words by which it would start through the disc of aimed photons.
+            let disc = self.projection.disc(t);
+            let (tangent, bitangent) = sampling::basis(ray.direction.into());
+            let across = (Vec3::from(ray.origin) - disc.centre) / disc.radius;
+            let at = Vec2::new(across.dot(tangent), across.dot(bitangent)).as_dvec2();
+            let word = |share: f64| (share * 4_294_967_296.0) as u32;
+            (a, b) = (word(at.length_squared()), word((at.to_angle() / TAU).rem_euclid(1.0)));
+        }
+        let (light, both) = (ray.light, light.flags & Light::BOTH_SIDES != 0);
         let upper = |word: u32, bits: u32| if bits == 0 { 0 } else { word >> (32 - bits) };
         let (p, q) = (t.point_bits, t.direction_bits);
         let side = if both { side >> 31 } else { 0 };
@@ -192,9 +211,9 @@ pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
                     continue;
                 }
                 let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, Domain::Photon, ray.path);
-                let both = view.lights[ray.light as usize].flags & Light::BOTH_SIDES != 0;
-                let (light, start) = (sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
-                counts[usize::from(cells.holds(ray.light, both, light, start))] += 1;
+                let (words, start) = (sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
+                let light = &view.lights[ray.light as usize];
+                counts[usize::from(cells.holds(light, ray, words, start))] += 1;
             }
             counts
         };

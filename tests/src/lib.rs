@@ -230,7 +230,7 @@ macro_rules! whole_suite {
                 sky_and_sun, g10_plate_under_a_gradient, g10_power, seen_by_the_camera, g10_one_texel_among_lights,
                 even_light_through_glass, transparent_background,
             }
-            portals::{ flux_does_not_depend_on_portals, more_photons_enter, aimed_photons_use_portals }
+            portals::{ flux_does_not_depend_on_portals, more_photons_enter, aimed_photons_do_not_need_portals }
             sun::{
                 g11_irradiance, g11_seen_by_the_camera, g11_seen_in_a_paraboloid, g11_focus_of_a_paraboloid,
                 g11_aimed_at_a_mirror,

@@ -3,8 +3,8 @@
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler, centred_f32, unit_f32};
 use photon_core::{
-    Batch, Emitter, Features, Light, PhotonRay, ProjectionMap, Result, light_probability, offset, pick_light, portals,
-    sampling,
+    Batch, Emitter, Features, Light, PhotonRay, ProjectionDisc, ProjectionMap, Result, light_probability, offset,
+    pick_light, portals, sampling,
 };
 use rayon::prelude::*;
 
@@ -69,19 +69,17 @@ impl CpuAimedEmitter {
 
 impl Emitter<Cpu> for CpuAimedEmitter {
     fn emit(&mut self, on: &mut Cpu, scene: &CpuScene, batch: &Batch, rays: &mut CpuBuffer<PhotonRay>) -> Result<()> {
-        match kinds(scene) {
-            (false, false) => aim::<false, false>(on, scene, batch, rays, &self.projection),
-            (true, false) => aim::<true, false>(on, scene, batch, rays, &self.projection),
-            (false, true) => aim::<false, true>(on, scene, batch, rays, &self.projection),
-            (true, true) => aim::<true, true>(on, scene, batch, rays, &self.projection),
+        if kinds(scene).0 {
+            aim::<true>(on, scene, batch, rays, &self.projection);
+        } else {
+            aim::<false>(on, scene, batch, rays, &self.projection);
         }
         Ok(())
     }
 }
 
-/// Emits aimed photons; `TEXTURED` and `PORTALS` as for [`emit`], but that portals are for the environment alone: the cells
-/// of other lights say where their photons start.
-fn aim<const TEXTURED: bool, const PORTALS: bool>(
+/// Emits aimed photons; `TEXTURED` as for [`emit`]. Portals do not matter: the cells say where photons start.
+fn aim<const TEXTURED: bool>(
     on: &Cpu,
     scene: &CpuScene,
     batch: &Batch,
@@ -92,15 +90,24 @@ fn aim<const TEXTURED: bool, const PORTALS: bool>(
         let sample = projection.sample(sampler.words(BLOCK_LIGHT), sampler.words(BLOCK_START));
         let target = &projection.targets()[sample.target];
         let start = PhotonRay { path, power: target.carried, ..PhotonRay::default() };
-        leave::<true, TEXTURED, PORTALS>(
-            scene,
-            target.light as usize,
-            sample.point,
-            sample.direction,
-            sample.side,
-            start,
-        )
+        let index = target.light as usize;
+        let mut photon =
+            leave::<true, TEXTURED, false>(scene, index, sample.point, sample.direction, sample.side, start);
+        let light = &scene.lights[index];
+        if light.kind == Light::ENVIRONMENT {
+            let disc = projection.disc(target);
+            photon.origin = across(&disc, light, sample.point, Vec3::from(photon.direction)).to_array();
+        }
+        photon
     });
+}
+
+/// The origin of an aimed photon of an environment: through a point of the disc, as far away as those that are not aimed.
+fn across(disc: &ProjectionDisc, light: &Light, point: [u32; 2], direction: Vec3) -> Vec3 {
+    let (x, y) = sampling::disc(unit_f32(point[0]), unit_f32(point[1]));
+    let (tangent, bitangent) = sampling::basis(direction);
+    let away = light.radius + disc.centre.dot(direction);
+    disc.centre + (tangent * x + bitangent * y) * disc.radius - direction * away
 }
 
 /// Fills `rays` with the result of `ray` for each path of the batch.
@@ -159,9 +166,7 @@ fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
             let area = std::f32::consts::PI * light.radius * light.radius;
             power = (found.weight * (area * reciprocal)).to_array();
             if PORTALS {
-                // The highest bit of an aimed photon's side is that of its cell, which is 0.
-                let choice = if AIMED { side << 1 } else { side };
-                let line = portals::sample(&scene.portals, direction, choice, [a, b], light.radius);
+                let line = portals::sample(&scene.portals, direction, side, [a, b], light.radius);
                 power = power.map(|p| p * line.factor);
                 (line.across - direction * light.radius, direction)
             } else {
@@ -170,7 +175,7 @@ fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
                 ((tangent * x + bitangent * y - direction) * light.radius, direction)
             }
         }
-        Light::DIRECTIONAL if PORTALS && !AIMED => {
+        Light::DIRECTIONAL if PORTALS => {
             let (direction, away) = if light.is_sun() {
                 (sampling::about(along, sampling::sun_versine(light.versine_outer, c), d), 2.0 * light.radius)
             } else {

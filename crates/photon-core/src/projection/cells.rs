@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::clusters::Sphere;
+use super::environment::{Cap, EnvironmentBeams, ProjectionDisc};
 use crate::parallel;
 use crate::sampling;
 use crate::scene::SceneView;
@@ -16,8 +17,10 @@ pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
     match light.kind {
         Light::POINT | Light::SPOT => (0, (most / 2).min(8)),
         Light::DIRECTIONAL => ((most / 2).min(8), 0),
-        // One cell: its photons come from everywhere.
-        Light::ENVIRONMENT => (0, 0),
+        Light::ENVIRONMENT => {
+            let direction = most / 4;
+            ((most / 2 - direction).min(8), direction)
+        }
         _ => {
             let direction = (most / 2).min(6);
             ((most / 2 - direction).min(3), direction)
@@ -29,23 +32,22 @@ pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
 type Sink<'a> = &'a mut dyn FnMut(u32) -> ControlFlow<()>;
 
 /// Calls `sink` with the cells of `light` from which a photon could hit one of `spheres`, and adds the
-/// number of blocks of cells that were tested to `blocks`.
+/// number of blocks of cells that were tested to `blocks`. The light is an environment if there is a disc, which contains the
+/// spheres.
 pub(super) fn mark(
     scene: &SceneView<'_>,
     light: &Light,
     bits: (u32, u32),
+    disc: Option<ProjectionDisc>,
     spheres: &[Sphere],
     blocks: &mut u64,
     sink: Sink<'_>,
 ) -> ControlFlow<()> {
-    if light.kind == Light::ENVIRONMENT {
-        return if spheres.is_empty() { ControlFlow::Continue(()) } else { sink(0) };
-    }
     let both = light.flags & Light::BOTH_SIDES != 0;
     let cells = 2 * (bits.0 + bits.1);
     let by_threads = cells >= PARALLEL_BITS && spheres.len() >= PARALLEL_SPHERES;
     for side in 0..if both { 2 } else { 1 } {
-        let beams = &Beams::new(scene, light, side == 1);
+        let beams = &Beams::new(scene, light, side == 1, disc, bits.1);
         let near = (0..spheres.len() as u32).collect();
         let marking = Marking { beams, bits, side, spheres, near, blocks: 0 };
         if by_threads {
@@ -84,11 +86,13 @@ impl Block {
         self.point_bits + self.direction_bits
     }
 
-    /// Its four parts: splits the point first, as far as there are bits, then the direction.
-    fn quarters(self, point_bits: u32) -> [Self; 4] {
+    /// Its four parts, for cells of `bits`: splits the point first, as far as there are bits, then the direction; those of
+    /// an environment the other way round, since the disc of its points lies across the direction.
+    fn quarters(self, bits: (u32, u32), direction_first: bool) -> [Self; 4] {
         let part = |[x, y]: [u32; 2], i: u32| [2 * x + (i >> 1), 2 * y + (i & 1)];
+        let point = if direction_first { self.direction_bits == bits.1 } else { self.point_bits < bits.0 };
         [0, 1, 2, 3].map(|i| {
-            if self.point_bits < point_bits {
+            if point {
                 Self { point: part(self.point, i), point_bits: self.point_bits + 1, ..self }
             } else {
                 Self { direction: part(self.direction, i), direction_bits: self.direction_bits + 1, ..self }
@@ -143,7 +147,7 @@ impl Marking<'_> {
         self.blocks += 1;
         let last = self.test(&block, first, false);
         if self.near.len() > last {
-            for quarter in block.quarters(self.bits.0) {
+            for quarter in block.quarters(self.bits, self.beams.environment.is_some()) {
                 self.collect(quarter, last, coarse);
             }
         }
@@ -178,7 +182,7 @@ impl Marking<'_> {
                 let ([a, b], [c, d]) = (block.point, block.direction);
                 sink((((self.side << p | a) << p | b) << q | c) << q | d)?;
             } else {
-                for quarter in block.quarters(self.bits.0) {
+                for quarter in block.quarters(self.bits, self.beams.environment.is_some()) {
                     self.descend(quarter, last, sink)?;
                 }
             }
@@ -189,15 +193,17 @@ impl Marking<'_> {
 }
 
 /// Bounds on the rays of the photons of a block.
-enum Beam {
+enum Beam<'a> {
     /// From a point in a sphere, within an angle to an axis; sine and cosine of the largest angle.
     Cone { from: Sphere, axis: DVec3, sin: f64, cos: f64 },
     /// Along a direction perpendicular to both axes, or within an angle to it whose tangent is `slope`, through a disc in
     /// the plane of both axes and the origin; its centre is given in the coordinates of the axes.
     Tube { axes: [DVec3; 2], along: DVec3, centre: DVec2, radius: f64, slope: f64 },
+    /// Along the directions of a cap, through a part of the disc of an environment.
+    Environment { beams: &'a EnvironmentBeams, cap: &'a Cap, part: (DVec2, f64) },
 }
 
-impl Beam {
+impl Beam<'_> {
     /// Whether one of the rays could hit a sphere. Conservative: may return true if none does.
     fn meets(&self, sphere: &Sphere) -> bool {
         match self {
@@ -223,6 +229,7 @@ impl Beam {
                 let aside = slope * (sphere.centre.dot(*along).abs() + sphere.radius);
                 at.distance(*centre) <= radius + sphere.radius + aside
             }
+            Self::Environment { beams, cap, part } => beams.meets(cap, *part, sphere),
         }
     }
 }
@@ -233,14 +240,21 @@ struct Beams {
     corners: [DVec3; 3],
     axis: DVec3,
     axes: [DVec3; 2],
+    environment: Option<EnvironmentBeams>,
 }
 
 impl Beams {
-    fn new(scene: &SceneView<'_>, light: &Light, back: bool) -> Self {
+    fn new(
+        scene: &SceneView<'_>,
+        light: &Light,
+        back: bool,
+        disc: Option<ProjectionDisc>,
+        direction_bits: u32,
+    ) -> Self {
         let area = light.kind == Light::TRIANGLE;
         let mut corners = [Vec3::from(light.position); 3];
         let axis = match light.kind {
-            Light::POINT => Vec3::Z,
+            Light::POINT | Light::ENVIRONMENT => Vec3::Z,
             Light::SPOT | Light::DIRECTIONAL => Vec3::from(light.direction),
             _ => {
                 let front = Vec3::from(scene.primitives[light.primitive as usize].normal);
@@ -256,11 +270,18 @@ impl Beams {
             corners: corners.map(Vec3::as_dvec3),
             axis: axis.as_dvec3(),
             axes: [tangent.as_dvec3(), bitangent.as_dvec3()],
+            environment: disc
+                .zip(scene.environment)
+                .map(|(disc, map)| EnvironmentBeams::new(map, disc, direction_bits)),
         }
     }
 
-    fn of(&self, block: &Block) -> Beam {
+    fn of(&self, block: &Block) -> Beam<'_> {
         let point = block.point.map(|at| interval(at, block.point_bits));
+        if let Some(beams) = &self.environment {
+            let cap = beams.cap(block.direction, block.direction_bits);
+            return Beam::Environment { beams, cap, part: ring(point) };
+        }
         let direction = block.direction.map(|at| interval(at, block.direction_bits));
         if self.light.kind == Light::DIRECTIONAL {
             let scale = f64::from(self.light.radius);

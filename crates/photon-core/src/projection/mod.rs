@@ -18,12 +18,18 @@ use crate::settings::{CausticPhotons, Settings};
 
 mod cells;
 mod clusters;
+mod environment;
+
+pub use environment::ProjectionDisc;
 
 /// Maximum number of cells of all lights together; beyond it, a light has one cell per side.
 const CELLS: usize = 1 << 20;
 
 /// Maximum number of specular spheres times lights, which determines the time for marking.
 const PAIRS: usize = 1 << 20;
+
+/// The same for the spheres of an environment, whose cells are larger: each direction is tested with all of them.
+const ENVIRONMENT_SPHERES: usize = 256;
 
 /// A light from which a specular surface could be hit.
 #[repr(C)]
@@ -34,7 +40,8 @@ pub struct ProjectionTarget {
     pub carried: [f32; 3],
     /// Index of the light in the scene's table.
     pub light: u32,
-    /// Index of its first cell in [`ProjectionMap::cells`].
+    /// Index of its first cell in [`ProjectionMap::cells`]. If it is an environment, the four words before are those of
+    /// its [`ProjectionMap::disc`].
     pub first: u32,
     /// Number of its cells, ≥ 1.
     pub count: u32,
@@ -171,13 +178,21 @@ impl ProjectionMap {
         let power_of = |light: &Light| light.power.iter().map(|&p| f64::from(p)).sum::<f64>();
         let all: f64 = scene.lights.iter().map(power_of).sum();
         let mut projection = Self { targets: Vec::new(), starts: Vec::new(), cells: Vec::new(), share: 0.0 };
-        let (mut weights, mut marked, mut blocks) = (Vec::new(), 0.0, 0);
+        let (mut weights, mut shares, mut marked, mut blocks) = (Vec::new(), Vec::new(), 0.0, 0);
         for (index, light) in scene.lights.iter().enumerate() {
             let power = power_of(light);
             if !(power > 0.0) {
                 continue;
             }
             let (point_bits, direction_bits) = cells::bits(light, bits);
+            let coarse = (light.kind == Light::ENVIRONMENT && !clusters.is_empty())
+                .then(|| clusters::of(scene, among, ENVIRONMENT_SPHERES));
+            let disc = coarse.as_ref().map(|spheres| ProjectionDisc::around(spheres, light));
+            let spheres = coarse.as_ref().unwrap_or(&clusters);
+            // The share of its photons that start in the cells so far.
+            let of_disc = disc.map_or(1.0, |disc| disc.share(light));
+            let part = |target: &ProjectionTarget| of_disc * in_cells(light, target);
+            projection.cells.extend(disc.iter().flat_map(ProjectionDisc::words));
             let first = projection.cells.len() as u32;
             let mut target = ProjectionTarget {
                 light: index as u32,
@@ -186,20 +201,22 @@ impl ProjectionMap {
                 direction_bits,
                 ..ProjectionTarget::default()
             };
-            let end = cells::mark(scene, light, (point_bits, direction_bits), &clusters, &mut blocks, &mut |cell| {
-                projection.cells.push(cell);
-                target.count += 1;
-                // The same sum as for whole lights, so that the last cell gives the same result as all of
-                // them.
-                let share = (marked + power * part(light, &target)) / all;
-                if share > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            });
+            let end =
+                cells::mark(scene, light, (point_bits, direction_bits), disc, spheres, &mut blocks, &mut |cell| {
+                    projection.cells.push(cell);
+                    target.count += 1;
+                    // The same sum as for whole lights, so that the last cell gives the same result as all of
+                    // them.
+                    let share = (marked + power * part(&target)) / all;
+                    if share > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                });
             if end.is_break() {
                 return Marking { projection, whole: false, blocks };
             }
             if target.count > 0 {
-                weights.push(power * part(light, &target));
-                marked += power * part(light, &target);
+                shares.push(part(&target));
+                weights.push(power * part(&target));
+                marked += power * part(&target);
                 projection.targets.push(target);
             }
         }
@@ -207,7 +224,7 @@ impl ProjectionMap {
         projection.starts = light_cdf(&weights);
         for (index, target) in projection.targets.iter_mut().enumerate() {
             let light = &scene.lights[target.light as usize];
-            let factor = part(light, target) / light_probability(&projection.starts, index);
+            let factor = shares[index] / light_probability(&projection.starts, index);
             target.carried = light.power.map(|power| (f64::from(power) * factor) as f32);
         }
         Marking { projection, whole: true, blocks }
@@ -235,6 +252,15 @@ impl ProjectionMap {
     #[must_use]
     pub fn starts(&self) -> &[u32] {
         &self.starts
+    }
+
+    /// The disc through which the aimed photons of an environment start. `target` must be that of an environment: before
+    /// the cells of others are no words of a disc.
+    #[inline]
+    #[must_use]
+    pub fn disc(&self, target: &ProjectionTarget) -> ProjectionDisc {
+        let first = target.first as usize;
+        ProjectionDisc::from_words(std::array::from_fn(|i| self.cells[first - 4 + i]))
     }
 
     /// The marked cells of all targets. From the lowest bit: two numbers of
@@ -290,8 +316,8 @@ fn within(cell: u32, bits: u32, random: u32) -> u32 {
     if bits == 0 { random } else { cell << (32 - bits) | random >> bits }
 }
 
-/// The share of a light's photons that is in its marked cells.
-fn part(light: &Light, target: &ProjectionTarget) -> f64 {
+/// The share of a light's cells that is marked.
+fn in_cells(light: &Light, target: &ProjectionTarget) -> f64 {
     let sides = if light.flags & Light::BOTH_SIDES == 0 { 0 } else { 1 };
     let bits = 2 * target.point_bits + 2 * target.direction_bits + sides;
     f64::from(target.count) / (1_u64 << bits) as f64

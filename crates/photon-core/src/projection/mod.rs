@@ -85,6 +85,9 @@ pub enum NoProjection {
     /// Too much of the light could, or mostly rough ones: aiming is not worthwhile in addition to the paths that other
     /// maps need.
     NotWorth,
+    /// Too much of the light is that of an environment, whose caustics are smooth and faint beside its direct light: as for
+    /// [`Self::NotWorth`].
+    Environment,
 }
 
 /// Result of marking.
@@ -100,7 +103,7 @@ struct Marking {
 impl ProjectionMap {
     /// Aiming is worthwhile in addition to other paths if at most this share of the light could reach a
     /// specular surface, and most of that light a smooth one: more photons make derived radii smaller, and the error
-    /// of sharp caustics is mostly bias (docs/studies/choices.md).
+    /// of sharp caustics is mostly bias (docs/studies/choices.md). The light of an environment counts as a whole.
     pub const WORTH: f64 = 0.5;
 
     /// The same where mirrors and smooth glass are not what most of that light could reach: caustics of rough surfaces are
@@ -142,6 +145,9 @@ impl ProjectionMap {
             CausticPhotons::Auto => (Self::WORTH_ROUGH, None),
             CausticPhotons::Aimed(paths) => (f64::INFINITY, Some(paths)),
         };
+        if environment_share(scene) > most {
+            return Err(NoProjection::Environment);
+        }
         let Marking { projection, whole, .. } = Self::mark(scene, most);
         match (whole, projection.is_empty()) {
             (false, _) => Err(NoProjection::NotWorth),
@@ -175,7 +181,6 @@ impl ProjectionMap {
         let lights = scene.lights.len().max(1);
         let clusters = clusters::of(scene, among, (PAIRS / lights).clamp(1, 4096));
         let bits = (CELLS / lights).max(1).ilog2();
-        let power_of = |light: &Light| light.power.iter().map(|&p| f64::from(p)).sum::<f64>();
         let all: f64 = scene.lights.iter().map(power_of).sum();
         let mut projection = Self { targets: Vec::new(), starts: Vec::new(), cells: Vec::new(), share: 0.0 };
         let (mut weights, mut shares, mut marked, mut blocks) = (Vec::new(), Vec::new(), 0.0, 0);
@@ -299,6 +304,18 @@ impl ProjectionMap {
             side: cell >> (2 * p + 2 * q) << 31 | side >> 1,
         }
     }
+}
+
+/// Power of a light, sum of RGB.
+fn power_of(light: &Light) -> f64 {
+    light.power.iter().map(|&power| f64::from(power)).sum()
+}
+
+/// The share of an environment in the power of all lights.
+fn environment_share(scene: &SceneView<'_>) -> f64 {
+    let all: f64 = scene.lights.iter().map(power_of).sum();
+    let environments = scene.lights.iter().filter(|light| light.kind == Light::ENVIRONMENT);
+    environments.map(power_of).sum::<f64>() / all.max(f64::MIN_POSITIVE)
 }
 
 /// Whether a surface reflects or refracts like a mirror.

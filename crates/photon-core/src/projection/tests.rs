@@ -1,4 +1,7 @@
+use glam::Vec3;
+
 use super::*;
+use crate::scene::environment::EnvironmentMap;
 use crate::scene::material::{Material, MaterialKind, Primitive};
 use crate::scene::units::Units;
 use crate::settings::Indirect;
@@ -124,6 +127,34 @@ fn aiming_is_left_where_it_would_not_pay() {
     assert_eq!((paths(&few, Shared, map), paths(&many, Aimed(9), map)), (Err(NoProjection::Shared), Ok(9)));
     // No other map needs photons.
     assert_eq!(paths(&many, Auto, Indirect::None), Ok(100));
+}
+
+/// Photons of an environment are aimed where a number is given or nothing else needs photons; beside other maps only where it
+/// brings less than half of the light.
+#[test]
+fn environments_are_aimed_where_they_are_asked_to_be() {
+    let map = EnvironmentMap::new(8, &[[1.0; 3]; 32], 0.0).unwrap();
+    let chosen = |power: f32, caustic_photons, indirect| {
+        let mut tables = Tables::new();
+        tables.lights[0] = Light { kind: Light::ENVIRONMENT, power: [power; 3], radius: 0.9, ..Light::default() };
+        let view = SceneView { environment: Some(&map), ..tables.view() };
+        let settings = Settings { photons: 100, caustic_photons, indirect, ..Settings::default() };
+        ProjectionMap::chosen(&view, &settings, &Requirements::everything(&settings)).map(|(projection, paths)| {
+            let target = projection.targets()[0];
+            assert_eq!(target.light, 0);
+            // The mirror is within a tenth of the scene's radius, and its disc too.
+            let disc = projection.disc(&target);
+            assert!(disc.radius < 0.15 && (disc.centre - Vec3::new(0.0, -0.4, 0.0)).length() < 0.05, "{disc:?}");
+            let share = f64::from(target.carried[0] / power) * light_probability(projection.starts(), 0);
+            assert!(share > 0.01 && share <= 1.001 * f64::from(disc.radius / 0.9).powi(2), "{share}");
+            paths
+        })
+    };
+    use CausticPhotons::{Aimed, Auto};
+    assert_eq!(chosen(50.0, Auto, Indirect::Map), Err(NoProjection::Environment));
+    assert_eq!(chosen(50.0, Auto, Indirect::None), Ok(100));
+    assert_eq!(chosen(50.0, Aimed(9), Indirect::Map), Ok(9));
+    assert!(matches!(chosen(0.2, Auto, Indirect::Map), Ok(25..200)));
 }
 
 /// Gives the same result as the share of all cells, to the last bit, with less work.

@@ -327,6 +327,9 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
                          and most of it rough ones: aiming would gain little"
                     )
                 }
+                NoProjection::Environment => "much of the light is the environment's: aiming would gain little; a \
+                                              number of caustic photons aims them all the same"
+                    .to_owned(),
             };
             return (false, why);
         }

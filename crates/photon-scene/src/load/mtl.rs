@@ -172,11 +172,11 @@ impl Entry {
             "Pm" => self.metallic = Some(number(rest)?),
             // A halo varies the opacity with the angle; its number is the opacity at the rim.
             "d" => {
-                self.dissolve = Some(number(rest.trim_start_matches("-halo"))?);
+                self.dissolve = Some(share(rest.trim_start_matches("-halo"))?);
                 self.is_tr_one = false;
             }
             "Tr" => {
-                let transparency = number(rest)?;
+                let transparency = share(rest)?;
                 self.is_tr_one = self.dissolve.is_none() && transparency == 1.0;
                 self.dissolve = self.dissolve.or(Some(1.0 - transparency));
             }
@@ -203,6 +203,15 @@ impl Entry {
 
 fn number(rest: &str) -> Result<f64, &'static str> {
     rest.split_whitespace().next().and_then(|word| word.parse().ok()).ok_or("a number must follow")
+}
+
+/// A share of the light; what rounding adds is cut off.
+fn share(rest: &str) -> Result<f64, &'static str> {
+    let share = number(rest)?;
+    if !(-1e-3..=1.001).contains(&share) {
+        return Err("a number from 0 to 1 must follow");
+    }
+    Ok(share.clamp(0.0, 1.0))
 }
 
 /// Three numbers, or one number for all channels.

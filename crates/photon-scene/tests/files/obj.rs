@@ -98,6 +98,9 @@ fn obj_faults_name_their_line() {
         ("Pm", "a number"),
         ("map_Pr", "name of an image"),
         ("illum 2.5", "0 to 10"),
+        ("d 5", "from 0 to 1"),
+        ("Tr -1", "from 0 to 1"),
+        ("d nan", "from 0 to 1"),
         ("newmtl", "a name"),
     ] {
         folder.file("bad.mtl", format!("newmtl a\n{statement}\n"));

@@ -32,6 +32,7 @@ fn hint(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" => "export the file without Draco mesh compression",
         "EXT_mesh_gpu_instancing" => "make the instances real before the export",
+        "EXT_lights_image_based" => "give its image as the environment, with --environment or in an override file",
         _ => "export the file without it",
     }
 }

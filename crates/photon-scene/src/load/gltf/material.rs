@@ -201,7 +201,10 @@ fn volume(of: &Parameters, subject: &str, report: &mut LoadReport) -> Option<[f6
 fn absorption(of: &Parameters, subject: &str, report: &mut LoadReport) -> [f64; 3] {
     let distance = of.attenuation_distance;
     if distance <= 0.0 {
-        report.left_out(subject, "its attenuation distance of 0, which must be above 0; nothing is absorbed");
+        report.left_out(
+            subject,
+            format!("its attenuation distance of {distance}, which must be above 0; nothing is absorbed"),
+        );
         return [0.0; 3];
     }
     if distance.is_finite() && of.attenuation_color.iter().any(|&color| color < DARKEST) {

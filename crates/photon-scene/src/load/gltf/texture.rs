@@ -245,14 +245,22 @@ impl<'a> Textures<'a> {
         self.room.borrow().report(builder, report);
     }
 
-    /// What the report should say of an image that could be read, but not exactly.
+    /// What the report should say of a texture that could be read, but not exactly.
     pub(super) fn losses(&self, texture: usize) -> Vec<String> {
-        let source = self.root.textures.get(texture).and_then(|found| self.source(found));
-        let Some(entry) = source.and_then(|image| self.images.get(image)).map(RefCell::borrow) else {
-            return Vec::new();
-        };
-        let Some(image) = entry.image.as_ref().or(entry.numbers.as_ref()) else { return Vec::new() };
+        let found = self.root.textures.get(texture);
+        let sampler = found.and_then(|found| self.root.samplers.get(found.sampler?.value()));
         let mut losses = Vec::new();
+        if sampler.is_some_and(|sampler| [sampler.wrap_s, sampler.wrap_t].contains(&Checked::Invalid)) {
+            losses.push("its sampler has a wrap mode that glTF does not have; it is repeated".to_owned());
+        }
+        if sampler.is_some_and(|sampler| sampler.mag_filter == Some(Checked::Invalid)) {
+            losses.push("its sampler has a magFilter that glTF does not have; it is filtered linearly".to_owned());
+        }
+        let source = found.and_then(|found| self.source(found));
+        let Some(entry) = source.and_then(|image| self.images.get(image)).map(RefCell::borrow) else {
+            return losses;
+        };
+        let Some(image) = entry.image.as_ref().or(entry.numbers.as_ref()) else { return losses };
         if image.is_rounded {
             losses.push("its 16 bits are rounded to 8".to_owned());
         }

@@ -56,6 +56,10 @@ pub(super) fn path(uri: &str, folder: &Path) -> Result<PathBuf, (String, &'stati
         Some(decoded) if !written.is_file() => folder.join(decoded),
         _ => written,
     };
+    if path.exists() && !path.is_file() {
+        let why = format!("is in {uri}, which is not a file");
+        return Err((why, "name the file"));
+    }
     if !path.is_file() {
         let why = format!("is in the file {uri}, which does not exist");
         return Err((why, "put it where the scene expects it, or export a .glb"));
@@ -159,6 +163,8 @@ mod tests {
         for outside in ["../a.png", "a/../../b.png", "/etc/passwd", "\\\\host\\a.png", "C:\\a.png", "a\\..\\..\\b"] {
             assert!(leaves_folder(outside), "{outside}");
         }
+        let (why, _) = read(".", Path::new(".")).unwrap_err();
+        assert!(why.contains("not a file"), "{why}");
         for (uri, path) in [("../secret.png", "../secret.png"), ("%2e%2e/secret.png", "../secret.png")] {
             let (why, _) = read(uri, Path::new(".")).unwrap_err();
             assert!(why.contains(path) && why.contains("outside"), "{why}");

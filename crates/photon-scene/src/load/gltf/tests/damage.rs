@@ -188,6 +188,7 @@ fn required_extensions_must_be_known() {
     let requires = |name: &str| File::new().with("extensionsRequired", format!(r#"["{name}"]"#));
     check(&requires("KHR_draco_mesh_compression"), &["KHR_draco_mesh_compression", "without Draco"]);
     check(&requires("EXT_mesh_gpu_instancing"), &["EXT_mesh_gpu_instancing", "instances real"]);
+    check(&requires("EXT_lights_image_based"), &["EXT_lights_image_based", "--environment"]);
     check(&requires("ACME_rocket"), &["ACME_rocket", "without it"]);
     for name in
         ["KHR_materials_volume", "KHR_materials_transmission", "KHR_texture_transform", "EXT_meshopt_compression"]

@@ -69,6 +69,8 @@ fn absorption_leaves_the_attenuation_colour_after_its_distance() {
     );
     assert!(matches!(solid.surface, Surface::Dielectric { absorption: [0.0, 0.0, 0.0], .. }));
     assert!(says(&report, "it", "attenuation distance of 0"));
+    let (_, report) = glass(r#", "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": -3}"#);
+    assert!(says(&report, "it", "attenuation distance of -3"), "{report}");
 }
 
 #[test]

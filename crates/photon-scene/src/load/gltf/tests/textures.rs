@@ -87,6 +87,16 @@ fn samplers_set_wrap_modes_and_filter() {
         let image = &file.load().0.textures[0].image;
         assert_eq!((image.wrap, image.filter), (wrap, filter), "{json}");
     }
+    let of = |json: &str| {
+        textured(BASE)
+            .with("textures", r#"[{"source": 0, "sampler": 0}]"#)
+            .with("samplers", format!("[{json}]"))
+            .load()
+            .1
+    };
+    let report = of(r#"{"wrapS": 1, "magFilter": 3}"#);
+    assert!(says(&report, "it", "wrap mode") && says(&report, "it", "magFilter"), "{report}");
+    assert!(of(r#"{"wrapS": 33071, "magFilter": 9728}"#).is_exact());
     let error = textured(BASE).with("textures", r#"[{"source": 0, "sampler": 3}]"#).error();
     assert!(error.contains("sampler 3"), "{error}");
 }

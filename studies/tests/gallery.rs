@@ -9,9 +9,20 @@ use std::process::{Command, Output};
 use folder::folder;
 
 fn gallery(models: &Path, out: &Path) -> Output {
+    gallery_with(models, out, &[])
+}
+
+fn gallery_with(models: &Path, out: &Path, more: &[&str]) -> Output {
     let options =
         ["--environment", "constant", "--size", "24", "--passes", "256", "--photons", "1000", "--backend", "cpu"];
-    Command::new(env!("CARGO_BIN_EXE_gallery")).arg(models).args(options).arg("--out").arg(out).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_gallery"))
+        .arg(models)
+        .args(options)
+        .args(more)
+        .arg("--out")
+        .arg(out)
+        .output()
+        .unwrap()
 }
 
 /// A square of half side 1 in the plane y = 0: seen from the side it would be a line.
@@ -49,6 +60,14 @@ fn every_model_has_a_row_and_those_that_load_a_picture() {
     let grey = floor.iter().filter(|texel| (texel[1] - 0.14).abs() < 0.03).count();
     assert!((floor[12 * 24 + 12][1] - 0.14).abs() < 0.03 && grey > 24 * 24 / 10, "{grey}");
     assert!((floor[0][1] - 0.32).abs() < 0.03, "{:?}", floor[0]);
+
+    // Emission by an override file: the floor is brighter than the background.
+    let overrides = folder("gallery-overrides");
+    std::fs::write(overrides.join("floor.toml"), "[materials.default]\nemission = [9, 9, 9]\n").unwrap();
+    let output = gallery_with(&models, &out, &["--overrides", overrides.to_str().unwrap()]);
+    assert!(output.status.success(), "{output:?}");
+    let floor = photon_scene::load_image(&out.join("floor-ply.png")).unwrap().linear_rgb();
+    assert!(floor[12 * 24 + 12][1] > floor[0][1], "{:?} {:?}", floor[12 * 24 + 12], floor[0]);
 
     // A broken file: its row has the error, the others are rendered, and the program fails.
     std::fs::write(models.join("broken.glb"), "glTF but not really").unwrap();

@@ -65,6 +65,7 @@ pub mod specular_colors;
 pub mod stats;
 mod stripes;
 pub mod sun;
+pub mod surface_claims;
 pub mod tangents;
 pub mod texture_limits;
 pub mod textures;
@@ -205,6 +206,7 @@ macro_rules! whole_suite {
             }
             furnace_pixels::{ g4_every_pixel }
             narrow_estimates::{ g7_variance_of_narrow_reflections }
+            surface_claims::{ claims_hold_on_textures, claims_hold_on_glossy_surfaces }
             bright_texels::{ v6_claims_under_a_bright_texel, v13_power_of_odd_environments }
             odd_normals::{ v12_bad_vertex_normals, v12_bad_normal_maps }
             texture_limits::{ g8_textured_floor_under_an_even_sky, v11_extreme_transforms }

@@ -1,8 +1,8 @@
 //! Renders every model of a folder: a picture of each, a contact sheet and a table of loader reports and times.
 //!
 //! `gallery FOLDER --environment studio.exr` looks for `.gltf`, `.glb`, `.obj` and `.ply` files in the folder and one level
-//! below, and writes `out/gallery/*.png`, `sheet.png` and `README.md`. A model without a camera is seen obliquely from
-//! above. A model that cannot be rendered gets a row with its error, and the exit code is 1.
+//! below, and writes `out/gallery/*.png`, `sheet.png` and `README.md`. With `--overrides FOLDER`, the override file
+//! `FOLDER/NAME.toml` is applied to the model NAME. A model without a camera is seen obliquely from above. A model that cannot be rendered gets a row with its error, and the exit code is 1.
 #![expect(clippy::print_stderr, reason = "progress goes to standard error")]
 
 mod document;
@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use photon_core::{Budget, Film, Pipeline, Render, Settings, TransportBackend, View, render};
-use photon_scene::{EnvironmentDesc, LoadReport, Scene};
+use photon_scene::{EnvironmentDesc, LoadReport, Overrides, Scene};
 use photonmap_cli::args::EnvironmentArgs;
 use photonmap_cli::backend::{self, BackendName, Chosen};
 use photonmap_cli::exposure::{self, Exposure};
@@ -32,6 +32,9 @@ struct Args {
     /// Light from infinitely far away; needed by models without lights.
     #[command(flatten)]
     environment: EnvironmentArgs,
+    /// Folder with an override file NAME.toml for some of the models, such as NAME.glb.
+    #[arg(long)]
+    overrides: Option<PathBuf>,
     /// Folder for the pictures and the table.
     #[arg(long, default_value = "out/gallery")]
     out: PathBuf,
@@ -113,12 +116,10 @@ fn models(folder: &Path) -> Result<Vec<PathBuf>, Fault> {
 /// Loads and renders a model; the tone-mapped bytes of its picture.
 fn model(args: &Args, path: &Path, environment: Option<&EnvironmentDesc>, row: &mut Row) -> Result<Vec<u8>, Fault> {
     let begun = Instant::now();
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    let (mut builder, report) = match extension.as_deref() {
-        Some("obj") => photon_scene::load_obj(path)?,
-        Some("ply") => photon_scene::load_ply(path)?,
-        _ => photon_scene::load_gltf(path)?,
-    };
+    let overrides = args.overrides.as_deref().zip(path.file_name());
+    let overrides = overrides.map(|(folder, name)| folder.join(name).with_extension("toml"));
+    let overrides = overrides.filter(|path| path.is_file()).map(|path| Overrides::read(&path)).transpose()?;
+    let (mut builder, report) = photon_scene::load_builder(path, overrides.as_ref())?;
     row.report = report.lines.iter().map(ToString::to_string).collect();
     if let Some(environment) = environment {
         builder.environment_from(environment)?;

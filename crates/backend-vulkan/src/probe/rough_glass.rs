@@ -83,10 +83,14 @@ fn kind(i: &Input) -> f32 {
 }
 
 fn glass(i: &Input) -> RoughGlass {
+    glass_from(i, i.vector(0).dot(NORMAL))
+}
+
+fn glass_from(i: &Input, cosine: f32) -> RoughGlass {
     let view = SCENE.view();
     let material = Material { roughness: i.float(3), ..view.materials[usize::from(kind(i) == 2.0)] };
     let sides: Interface = interface(view.media, &material, kind(i) != 1.0, MediumStack::VACUUM, false);
-    RoughGlass::new(&TABLE, &material, i.vector(0).dot(NORMAL), &sides).expect("rough")
+    RoughGlass::new(&TABLE, &material, cosine, &sides).expect("rough")
 }
 
 fn parts(i: &Input, cosine: f32) -> Output {
@@ -104,6 +108,23 @@ pub(super) fn sampled(i: &Input, u: f32) -> Output {
     let drawn = glass(i).sample(&TABLE, i.vector(0), NORMAL, [i.float(7) - kind(i), u, i.float(9)]);
     let ([x, y, z], [r, g, b]) = (drawn.direction.to_array(), drawn.found.weight(1.0).to_array());
     output([x, y, z, f32::from(u8::from(drawn.lobe == Lobe::SpecularReflection)), r, g, b, drawn.rest])
+}
+
+/// The direction of a sample, its largest weight, and whether it is one of what single scattering loses: then its value and its
+/// density are evaluated for the direction, whose half vector is found again.
+pub(super) fn drawn(i: &Input) -> (Vec3, f32, bool) {
+    let choice = i.float(7) - kind(i);
+    let [lost, ..] = glass(i).parts(&TABLE, 1.0);
+    let drawn = glass(i).sample(&TABLE, i.vector(0), NORMAL, [choice, i.float(8), i.float(9)]);
+    (drawn.direction, drawn.found.weight(1.0).max_element(), choice < lost)
+}
+
+/// What single scattering loses from `direction`, a difference of 1 and what it keeps.
+pub(super) fn lost_from(i: &Input, direction: Vec3) -> f64 {
+    let cosine = direction.dot(NORMAL);
+    let [near, ..] = glass_from(i, cosine.abs()).parts(&TABLE, 1.0);
+    let [_, beyond, ..] = glass(i).parts(&TABLE, cosine.abs());
+    f64::from(if cosine > 0.0 { near } else { beyond })
 }
 
 #[test]

@@ -116,10 +116,18 @@ fn models(folder: &Path) -> Result<Vec<PathBuf>, Fault> {
 /// Loads and renders a model; the tone-mapped bytes of its picture.
 fn model(args: &Args, path: &Path, environment: Option<&EnvironmentDesc>, row: &mut Row) -> Result<Vec<u8>, Fault> {
     let begun = Instant::now();
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    // These add no camera, unlike `load_builder`.
+    let (mut builder, mut report) = match extension.as_deref() {
+        Some("obj") => photon_scene::load_obj(path)?,
+        Some("ply") => photon_scene::load_ply(path)?,
+        _ => photon_scene::load_gltf(path)?,
+    };
     let overrides = args.overrides.as_deref().zip(path.file_name());
     let overrides = overrides.map(|(folder, name)| folder.join(name).with_extension("toml"));
-    let overrides = overrides.filter(|path| path.is_file()).map(|path| Overrides::read(&path)).transpose()?;
-    let (mut builder, report) = photon_scene::load_builder(path, overrides.as_ref())?;
+    if let Some(path) = overrides.filter(|path| path.is_file()) {
+        Overrides::read(&path)?.apply(&mut builder, &mut report)?;
+    }
     row.report = report.lines.iter().map(ToString::to_string).collect();
     if let Some(environment) = environment {
         builder.environment_from(environment)?;

@@ -51,7 +51,8 @@ fn emit<const TEXTURED: bool, const PORTALS: bool>(
         // Every path carries the power of its light divided by the probability of choosing that light.
         let power = scene.lights[index].power.map(|p| (f64::from(p) / share) as f32);
         let start = PhotonRay { path, power, ..PhotonRay::default() };
-        leave::<false, TEXTURED, PORTALS>(scene, index, [a, b], [c, d], side, start)
+        let disc = || unreachable!("only aimed photons start through it");
+        leave::<false, TEXTURED, PORTALS>(scene, index, [a, b], ([c, d], side), start, disc)
     });
 }
 
@@ -91,23 +92,9 @@ fn aim<const TEXTURED: bool>(
         let target = &projection.targets()[sample.target];
         let start = PhotonRay { path, power: target.carried, ..PhotonRay::default() };
         let index = target.light as usize;
-        let mut photon =
-            leave::<true, TEXTURED, false>(scene, index, sample.point, sample.direction, sample.side, start);
-        let light = &scene.lights[index];
-        if light.kind == Light::ENVIRONMENT {
-            let disc = projection.disc(target);
-            photon.origin = across(&disc, light, sample.point, Vec3::from(photon.direction)).to_array();
-        }
-        photon
+        let disc = || projection.disc(target);
+        leave::<true, TEXTURED, false>(scene, index, sample.point, (sample.direction, sample.side), start, disc)
     });
-}
-
-/// The origin of an aimed photon of an environment: through a point of the disc, as far away as those that are not aimed.
-fn across(disc: &ProjectionDisc, light: &Light, point: [u32; 2], direction: Vec3) -> Vec3 {
-    let (x, y) = sampling::disc(unit_f32(point[0]), unit_f32(point[1]));
-    let (tangent, bitangent) = sampling::basis(direction);
-    let away = light.radius + disc.centre.dot(direction);
-    disc.centre + (tangent * x + bitangent * y) * disc.radius - direction * away
 }
 
 /// Fills `rays` with the result of `ray` for each path of the batch.
@@ -134,15 +121,15 @@ fn each(
 }
 
 /// Samples the origin and direction of a photon that leaves light `index`; its path and its power, which is that of
-/// the light's mean radiance, are those of `start`. The const parameter `AIMED` makes a separate copy for each emitter.
+/// the light's mean radiance, are those of `start`. With `AIMED`, those of an environment start through `disc`.
 #[inline]
 fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
     scene: &CpuScene,
     index: usize,
     point: [u32; 2],
-    direction: [u32; 2],
-    side: u32,
+    (direction, side): ([u32; 2], u32),
     start: PhotonRay,
+    disc: impl Fn() -> ProjectionDisc,
 ) -> PhotonRay {
     let ([a, b], [c, d]) = (point.map(unit_f32), direction.map(unit_f32));
     let [height, _] = direction;
@@ -172,7 +159,14 @@ fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
             } else {
                 let (x, y) = sampling::disc(a, b);
                 let (tangent, bitangent) = sampling::basis(direction);
-                ((tangent * x + bitangent * y - direction) * light.radius, direction)
+                if AIMED {
+                    // From as far away as photons that are not aimed.
+                    let disc = disc();
+                    let away = light.radius + disc.centre.dot(direction);
+                    (disc.centre + (tangent * x + bitangent * y) * disc.radius - direction * away, direction)
+                } else {
+                    ((tangent * x + bitangent * y - direction) * light.radius, direction)
+                }
             }
         }
         Light::DIRECTIONAL if PORTALS => {

@@ -115,12 +115,13 @@ fn of_sample(i: &Input) -> f64 {
     let (direction, weight, is_lost) = rough_glass::drawn(i);
     let weight = f64::from(weight.max(1.0));
     if is_lost {
+        // One rounding for each interpolation, and one for the difference.
         let of_loss = 4.0 * STEP / rough_glass::lost_from(i, direction).max(STEP);
         return 1.0 + (of_glass_towards(i, direction) - 1.0 + of_loss / ALONE) * weight;
     }
     let cancellation = rough_glass::cancellation(i);
     // The reciprocal of the length of the sum that gives the normal, and of the sine.
-    let magnified = (cancellation - 1.0) / 1e-3;
+    let magnified = (cancellation - 1.0) / rough_glass::MAGNIFIED;
     let cosine = f64::from(direction.dot(NORMAL)).abs().max(1e-9);
     cancellation + weight * STEPS * STEP * magnified / cosine / ALONE
 }

@@ -49,6 +49,9 @@ pub(super) fn rows() -> Vec<Row> {
     ]
 }
 
+/// How much the reciprocal of that length counts in [`cancellation`].
+pub(super) const MAGNIFIED: f64 = 1e-3;
+
 /// A visible normal is a unit vector along the sum of a point of a sphere and the stretched direction of the path. At the
 /// edge of the visible ones both cancel: their rounding errors count over the length of the sum.
 pub(super) fn cancellation(i: &Input) -> f64 {
@@ -64,7 +67,7 @@ pub(super) fn cancellation(i: &Input) -> f64 {
         [alpha * (sine * cos + alpha * x * inverse), alpha * (sine * sin + alpha * y * inverse), 1.0 - versine + top];
     let length = sum.iter().map(|part| part * part).sum::<f64>().sqrt();
     // The sine has the error of a root near its end.
-    1.0 + 1e-3 / length.max(1e-9) / sine.max(1e-4)
+    1.0 + MAGNIFIED / length.max(1e-9) / sine.max(1e-4)
 }
 
 /// Directions on either side, the first on that of the normal; a roughness; a kind of boundary, and uniform numbers.

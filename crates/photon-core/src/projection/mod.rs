@@ -6,6 +6,7 @@
 //! correspondingly less power. Marking is conservative, so that the expectation is the same as with photons in all
 //! directions. Occlusion is ignored.
 
+use std::cell::LazyCell;
 use std::ops::ControlFlow;
 
 use bytemuck::{Pod, Zeroable};
@@ -22,13 +23,13 @@ mod environment;
 
 pub use environment::ProjectionDisc;
 
-/// Maximum number of cells of all lights together; beyond it, a light has one cell per side.
+/// Maximum number of cells of all lights together, without the words of discs; beyond it, a light has one cell per side.
 const CELLS: usize = 1 << 20;
 
 /// Maximum number of specular spheres times lights, which determines the time for marking.
 const PAIRS: usize = 1 << 20;
 
-/// The same for the spheres of an environment, whose cells are larger: each direction is tested with all of them.
+/// Maximum number of spheres for an environment, whose cells are larger.
 const ENVIRONMENT_SPHERES: usize = 256;
 
 /// A light from which a specular surface could be hit.
@@ -93,6 +94,8 @@ pub enum NoProjection {
 /// Result of marking.
 struct Marking {
     projection: ProjectionMap,
+    /// Share of the light by which it is decided whether to aim: that of an environment counts as a whole.
+    counted: f64,
     /// Whether all cells were tested; if not, those marked so far hold more than the given share of the light.
     whole: bool,
     /// Number of blocks of cells that were tested, of any size: a measure of the work.
@@ -148,16 +151,19 @@ impl ProjectionMap {
         if environment_share(scene) > most {
             return Err(NoProjection::Environment);
         }
-        let Marking { projection, whole, .. } = Self::mark(scene, most);
+        let Marking { projection, counted, whole, .. } = Self::mark(scene, most);
         match (whole, projection.is_empty()) {
             (false, _) => Err(NoProjection::NotWorth),
             (true, true) => Err(NoProjection::Unlit),
             (true, false) => {
-                let share = projection.share;
+                let rough = counted > Self::WORTH_ROUGH;
                 match paths {
                     Some(paths) => Ok((projection, paths)),
-                    None if share > Self::WORTH_ROUGH && !Self::is_sharp(scene, share) => Err(NoProjection::NotWorth),
-                    None => Ok((projection, Self::paths(settings.photons, share))),
+                    None if rough && !Self::is_sharp(scene, counted) => Err(NoProjection::NotWorth),
+                    None => {
+                        let paths = Self::paths(settings.photons, projection.share);
+                        Ok((projection, paths))
+                    }
                 }
             }
         }
@@ -179,24 +185,25 @@ impl ProjectionMap {
 
     fn mark_among(scene: &SceneView<'_>, among: &dyn Fn(&Material) -> bool, most: f64) -> Marking {
         let lights = scene.lights.len().max(1);
-        let clusters = clusters::of(scene, among, (PAIRS / lights).clamp(1, 4096));
+        let fine = LazyCell::new(|| clusters::of(scene, among, (PAIRS / lights).clamp(1, 4096)));
+        let coarse = LazyCell::new(|| clusters::of(scene, among, ENVIRONMENT_SPHERES));
         let bits = (CELLS / lights).max(1).ilog2();
         let all: f64 = scene.lights.iter().map(power_of).sum();
         let mut projection = Self { targets: Vec::new(), starts: Vec::new(), cells: Vec::new(), share: 0.0 };
-        let (mut weights, mut shares, mut marked, mut blocks) = (Vec::new(), Vec::new(), 0.0, 0);
+        let (mut weights, mut shares, mut marked, mut counted, mut blocks) = (Vec::new(), Vec::new(), 0.0, 0.0, 0);
         for (index, light) in scene.lights.iter().enumerate() {
             let power = power_of(light);
             if !(power > 0.0) {
                 continue;
             }
             let (point_bits, direction_bits) = cells::bits(light, bits);
-            let coarse = (light.kind == Light::ENVIRONMENT && !clusters.is_empty())
-                .then(|| clusters::of(scene, among, ENVIRONMENT_SPHERES));
-            let disc = coarse.as_ref().map(|spheres| ProjectionDisc::around(spheres, light));
-            let spheres = coarse.as_ref().unwrap_or(&clusters);
+            let is_environment = light.kind == Light::ENVIRONMENT;
+            let spheres: &[_] = if is_environment { &coarse } else { &fine };
+            let disc = (is_environment && !spheres.is_empty()).then(|| ProjectionDisc::around(spheres, light));
             // The share of its photons that start in the cells so far.
             let of_disc = disc.map_or(1.0, |disc| disc.share(light));
             let part = |target: &ProjectionTarget| of_disc * in_cells(light, target);
+            let counts = |target: &ProjectionTarget| if is_environment { power } else { power * part(target) };
             projection.cells.extend(disc.iter().flat_map(ProjectionDisc::words));
             let first = projection.cells.len() as u32;
             let mut target = ProjectionTarget {
@@ -212,16 +219,17 @@ impl ProjectionMap {
                     target.count += 1;
                     // The same sum as for whole lights, so that the last cell gives the same result as all of
                     // them.
-                    let share = (marked + power * part(&target)) / all;
+                    let share = (counted + counts(&target)) / all;
                     if share > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
                 });
             if end.is_break() {
-                return Marking { projection, whole: false, blocks };
+                return Marking { projection, counted: f64::INFINITY, whole: false, blocks };
             }
             if target.count > 0 {
                 shares.push(part(&target));
                 weights.push(power * part(&target));
                 marked += power * part(&target);
+                counted += counts(&target);
                 projection.targets.push(target);
             }
         }
@@ -232,7 +240,8 @@ impl ProjectionMap {
             let factor = shares[index] / light_probability(&projection.starts, index);
             target.carried = light.power.map(|power| (f64::from(power) * factor) as f32);
         }
-        Marking { projection, whole: true, blocks }
+        let counted = if all > 0.0 { counted / all } else { 0.0 };
+        Marking { projection, counted, whole: true, blocks }
     }
 
     /// Whether no light could reach a specular surface, so that no photons have to be emitted for caustics.
@@ -259,8 +268,10 @@ impl ProjectionMap {
         &self.starts
     }
 
-    /// The disc through which the aimed photons of an environment start. `target` must be that of an environment: before
-    /// the cells of others are no words of a disc.
+    /// The disc through which the aimed photons of an environment start.
+    ///
+    /// # Panics
+    /// May panic if `target` is not that of an environment: before the cells of others are no words of a disc.
     #[inline]
     #[must_use]
     pub fn disc(&self, target: &ProjectionTarget) -> ProjectionDisc {
@@ -268,7 +279,7 @@ impl ProjectionMap {
         ProjectionDisc::from_words(std::array::from_fn(|i| self.cells[first - 4 + i]))
     }
 
-    /// The marked cells of all targets. From the lowest bit: two numbers of
+    /// The marked cells of all targets, and the words of the disc of an environment. From the lowest bit of a cell: two numbers of
     /// [`ProjectionTarget::direction_bits`] each, the second first; two of [`ProjectionTarget::point_bits`]
     /// each, likewise; one bit for the side.
     #[must_use]

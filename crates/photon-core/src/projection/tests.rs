@@ -154,7 +154,10 @@ fn environments_are_aimed_where_they_are_asked_to_be() {
     assert_eq!(chosen(50.0, Auto, Indirect::Map), Err(NoProjection::Environment));
     assert_eq!(chosen(50.0, Auto, Indirect::None), Ok(100));
     assert_eq!(chosen(50.0, Aimed(9), Indirect::Map), Ok(9));
-    assert!(matches!(chosen(0.2, Auto, Indirect::Map), Ok(25..200)));
+    // Half of the light in both spot and point lights, of which cells are marked: more of it is an environment, of which
+    // all counts.
+    assert!(matches!(chosen(0.1, Auto, Indirect::Map), Ok(25..200)));
+    assert_eq!(chosen(0.45, Auto, Indirect::Map), Err(NoProjection::NotWorth));
 }
 
 /// Gives the same result as the share of all cells, to the last bit, with less work.

@@ -327,8 +327,8 @@ fn aiming(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -
                          and most of it rough ones: aiming would gain little"
                     )
                 }
-                NoProjection::Environment => "much of the light is the environment's: aiming would gain little; a \
-                                              number of caustic photons aims them all the same"
+                NoProjection::Environment => "the environment has too much of the light: aiming would gain little; a \
+                                              given number of caustic photons is aimed nevertheless"
                     .to_owned(),
             };
             return (false, why);

@@ -157,8 +157,8 @@ pub enum RandomKind {
 #[non_exhaustive]
 pub enum CausticPhotons {
     /// Aimed, if at most half of the light can meet mirrors, glass or glossy surfaces ([`crate::ProjectionMap::WORTH`]), and
-    /// most of that light smooth ones, or if it is at most a twentieth of the light: 5 times that share of
-    /// [`Settings::photons`], but at least a quarter as many and at most twice as many. If no other map is filled: as many,
+    /// most of that light smooth ones, or if it is at most a twentieth of the light, where all light of an environment counts:
+    /// 5 times the share that can of [`Settings::photons`], but at least a quarter as many and at most twice as many. If no other map is filled: as many,
     /// whatever the share. Otherwise [`CausticPhotons::Shared`].
     #[default]
     Auto,

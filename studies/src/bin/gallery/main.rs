@@ -2,7 +2,8 @@
 //!
 //! `gallery FOLDER --environment studio.exr` looks for `.gltf`, `.glb`, `.obj` and `.ply` files in the folder and one level
 //! below, and writes `out/gallery/*.png`, `sheet.png` and `README.md`. With `--overrides FOLDER`, the override file
-//! `FOLDER/NAME.toml` is applied to the model NAME. A model without a camera is seen obliquely from above. A model that cannot be rendered gets a row with its error, and the exit code is 1.
+//! `FOLDER/NAME.toml` is applied to the model NAME. A model without a camera is seen obliquely from above. A model that
+//! cannot be rendered gets a row with its error, and the exit code is 1.
 #![expect(clippy::print_stderr, reason = "progress goes to standard error")]
 
 mod document;

@@ -27,7 +27,8 @@ pub fn scene(args: &SceneArgs) -> Result<(Scene, LoadReport), Fault> {
 #[expect(clippy::print_stderr, reason = "warnings go to standard error")]
 pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadReport), Fault> {
     let (builder, report) = builder_within(args, limit)?;
-    let scene = builder.build()?;
+    // Errors of reading name the file themselves.
+    let scene = builder.build().map_err(|error| Fault::input(format!("{}: {error}", args.scene)))?;
     for warning in scene.warnings() {
         eprintln!("warning: {warning}");
     }

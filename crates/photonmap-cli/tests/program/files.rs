@@ -1,10 +1,10 @@
-//! Files are written atomically.
+//! Files are written atomically; errors name those that are read.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::support::{channels, folder, photonmap};
+use crate::support::{channels, folder, photonmap, refused, render};
 
 /// Ctrl-C writes the picture so far.
 #[cfg(unix)]
@@ -78,4 +78,15 @@ fn a_kill_leaves_no_half_picture() {
             assert_eq!(channels(&picture)["R"].len(), 160_000);
         }
     }
+}
+
+/// What is found only when the scene is built names its file too.
+#[test]
+fn an_invalid_material_is_named_with_its_file() {
+    let folder = folder("invalid-material");
+    std::fs::write(folder.join("a.mtl"), "newmtl glow\nKe -1 0 0\n").unwrap();
+    let scene = folder.join("a.obj");
+    std::fs::write(&scene, "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glow\nf 1 2 3\n").unwrap();
+    let output = render(&[scene.to_str().unwrap(), "-o", folder.join("a.png").to_str().unwrap()]);
+    refused(&output, &format!("{}: material 'glow': emission is", scene.display()));
 }

@@ -46,7 +46,7 @@ fn densities_are_those_of_double_precision() {
     let mut number = || unit_f32(numbers.word() as u32);
     for widths in WIDTHS {
         for cosine in [1e-7_f32, 1e-3, 0.1, 0.5, 0.9, 1.0] {
-            for _ in 0..2000 {
+            for _ in 0..28_000 {
                 let o = towards(cosine, number());
                 let i = sample(widths, o, number(), number());
                 assert!((i.length() - 1.0).abs() < 1e-5);

@@ -96,7 +96,7 @@ pub(super) fn describe(
 /// The nearest supported surface.
 fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.is_unlit {
-        report.approximated(subject, "is unlit; it is rendered as a diffuse surface of its base colour");
+        report.approximated(subject, "is unlit; it is rendered as a diffuse surface of its base colour; give it emission in an override file if it should glow");
         return Surface::Lambert { albedo: of.base };
     }
     // Means of textures are rarely exactly 0.
@@ -257,6 +257,6 @@ fn report_rest(material: &Material, subject: &str, report: &mut LoadReport) {
     }
     let others = material.extensions.iter().flat_map(|extensions| extensions.others.keys());
     for name in others.filter(|name| !KNOWN.contains(&name.as_str())) {
-        report.left_out(subject, format!("its {name}, which is not modelled"));
+        report.left_out(subject, format!("its {name}, which is not modelled; the surface is rendered without it"));
     }
 }

@@ -96,7 +96,11 @@ pub(super) fn describe(
 /// The nearest supported surface.
 fn surface(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.is_unlit {
-        report.approximated(subject, "is unlit; it is rendered as a diffuse surface of its base colour; give it emission in an override file if it should glow");
+        report.approximated(
+            subject,
+            "is unlit; it is rendered as a diffuse surface of its base colour; give it emission in an override file if it \
+             should glow",
+        );
         return Surface::Lambert { albedo: of.base };
     }
     // Means of textures are rarely exactly 0.

@@ -1,6 +1,8 @@
 //! Settings that a pipeline chooses for the time that there is.
 
-use photon_core::{Area, Bandwidth, Choice, Film, Indirect, Open, Pipeline, Render, Settings, TransportBackend};
+use photon_core::{
+    Area, Bandwidth, Candidate, Choice, Film, Goal, Indirect, Open, Pipeline, Render, Settings, TransportBackend,
+};
 use photon_scene::Scene;
 
 use crate::harness::{self, TestBackend, renderer};
@@ -30,7 +32,7 @@ pub fn chosen_settings_make_the_same_bits<T: TestBackend>() {
     let scene = scene();
     let chosen = |open: Open, seconds: f64| {
         let mut renderer = renderer::<T>(&scene, &settings(), SIZE);
-        let choice = renderer.choose(&scene.view(), seconds, open).unwrap().unwrap();
+        let choice = renderer.choose(&scene.view(), Goal::Time(seconds), open).unwrap().unwrap();
         (choice, film(&mut renderer))
     };
     let check = |open: Open, seconds: f64| -> Choice {
@@ -64,7 +66,7 @@ pub fn chosen_settings_make_the_same_bits<T: TestBackend>() {
     // More paths have smaller radii, which is worth their time if there is enough of it. Fewer would be less than 16 384.
     let paths = |seconds: f64| {
         let mut renderer = renderer::<T>(&scene, &settings(), SIZE);
-        renderer.choose(&scene.view(), seconds, Open { photons: true, ..NONE }).unwrap().unwrap()
+        renderer.choose(&scene.view(), Goal::Time(seconds), Open { photons: true, ..NONE }).unwrap().unwrap()
     };
     let (few, more) = (paths(0.0), paths(1e8));
     assert_eq!([few.photons, more.photons], [1, 4].map(|times| times * settings().photons), "{few:?}, {more:?}");
@@ -76,7 +78,7 @@ pub fn gather_rays_make_the_same_bits<T: TestBackend>() {
     let scene = scene();
     let gathers = |gather_rays: u32| Settings { indirect: Indirect::Gather, gather_rays, ..settings() };
     let mut renderer = renderer::<T>(&scene, &gathers(2), SIZE);
-    let choice = renderer.choose(&scene.view(), 10.0, ALL).unwrap().unwrap();
+    let choice = renderer.choose(&scene.view(), Goal::Time(10.0), ALL).unwrap().unwrap();
     let rays: Vec<u32> = choice.candidates.iter().filter_map(|candidate| candidate.gather_rays).collect();
     assert!(rays.len() == 3 && rays.contains(&1) && choice.gather_rays == Some(rays[0]), "{choice:?}");
     assert_eq!((choice.radius_factor, choice.bandwidth), (1.0, Bandwidth::Shared));
@@ -92,16 +94,40 @@ pub fn gather_rays_make_the_same_bits<T: TestBackend>() {
     assert!(found.pixels != film(&mut harness::renderer::<T>(&scene, &gathers(2), SIZE)).pixels, "2 rays go unnoticed");
 }
 
+/// Settings can also be chosen for as long as a number of passes takes, and for the time until an error is reached.
+pub fn passes_and_errors_are_times<T: TestBackend>() {
+    let scene = scene();
+    let choice = |goal: Goal| {
+        let mut renderer = renderer::<T>(&scene, &settings(), SIZE);
+        renderer.choose(&scene.view(), goal, Open { bandwidth: false, ..ALL }).unwrap().unwrap()
+    };
+    for passes in [1, 50, 4000] {
+        let choice = choice(Goal::Passes(passes));
+        let present = |each: &&Candidate| each.area == Area::Surface && each.radius_factor == 1.0;
+        let present = choice.candidates.iter().find(present).unwrap();
+        // As radii shrink, passes become faster: the time of a pass depends on their number, which is rounded.
+        let found = choice.seconds / present.seconds;
+        assert!((found / f64::from(passes) - 1.0).abs() < 0.03, "{found} of {passes} passes: {choice:?}");
+    }
+    let error = |error: f64| choice(Goal::Error { error, most_seconds: 1e5 });
+    let least = |choice: &Choice| choice.candidates[0].error.sqrt();
+    let (easy, usual, none) = (error(100.0), error(0.05), error(1e-9));
+    assert!(easy.seconds < 0.1 && none.seconds == 1e5 && least(&none) > 1e-9, "{easy:?} {none:?}");
+    // Times are tried in steps of a fifth.
+    let before = choice(Goal::Time(usual.seconds / 2.0));
+    assert!(least(&usual) <= 0.05 && usual.seconds < 1e5 && least(&before) > 0.05, "{usual:?} {before:?}");
+}
+
 /// Nothing is chosen, and no bit changes, where there is nothing to choose.
 pub fn nothing_to_choose_changes_nothing<T: TestBackend>() {
     let scene = scene();
     let none = |settings: &Settings, open: Open| {
         let mut chooser = renderer::<T>(&scene, settings, SIZE);
-        assert_eq!(chooser.choose(&scene.view(), 1.0, open).unwrap(), None, "{settings:?}");
+        assert_eq!(chooser.choose(&scene.view(), Goal::Time(1.0), open).unwrap(), None, "{settings:?}");
         let expected = film(&mut renderer::<T>(&scene, settings, SIZE));
         assert!(film(&mut chooser).pixels == expected.pixels, "{settings:?}");
         // Nor after the first pass.
-        assert_eq!(chooser.choose(&scene.view(), 1.0, ALL).unwrap(), None);
+        assert_eq!(chooser.choose(&scene.view(), Goal::Time(1.0), ALL).unwrap(), None);
     };
     none(&settings(), NONE);
     // With final gathering its rays alone may be chosen, and without it they may not.

@@ -130,7 +130,8 @@ macro_rules! whole_suite {
                 a12_progressive_variance, a13_threshold_darkens,
             }
             choice::{
-                chosen_settings_make_the_same_bits, gather_rays_make_the_same_bits, nothing_to_choose_changes_nothing,
+                chosen_settings_make_the_same_bits, gather_rays_make_the_same_bits, passes_and_errors_are_times,
+                nothing_to_choose_changes_nothing,
             }
             footprint::{ a15_spots_narrower_than_a_pixel_are_found, a16_radii_are_at_least_half_a_pixel }
             direct::{

@@ -4,7 +4,7 @@ use photon_core::{Film, FluxSum, Forecast, LightShare, Outcome, PerMap, Render, 
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
-use crate::command::chosen::TimedSettings;
+use crate::command::chosen::ChosenSettings;
 
 /// Contents of the report besides those of the renderer.
 #[derive(Debug)]
@@ -39,8 +39,8 @@ pub struct Details<'a> {
     pub seconds_device: f64,
     /// Seconds of trials by which settings are chosen.
     pub seconds_trials: f64,
-    /// What was chosen for the time, if it is given.
-    pub chosen: Option<&'a TimedSettings>,
+    /// What was chosen for a time, a preset or a target.
+    pub chosen: Option<&'a ChosenSettings>,
     /// Seconds from the first pass to the film on the host.
     pub seconds_passes: f64,
     /// Seconds from start to finished film.

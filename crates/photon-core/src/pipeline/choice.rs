@@ -1,4 +1,4 @@
-//! The choice of areas, radii, photons and gather rays for a given time, by trials.
+//! The choice of areas, radii, photons and gather rays for a time or an error, by trials.
 
 mod compare;
 mod decide;
@@ -35,6 +35,24 @@ pub struct Candidate {
     pub direct_error: f64,
 }
 
+/// What settings are chosen for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: a caller decides what it wants.
+pub enum Goal {
+    /// The least error after so many seconds of passes.
+    Time(f64),
+    /// The least error after the time that so many passes with the present settings and one radius for each map are expected
+    /// to take.
+    Passes(u32),
+    /// The least time until an error is expected, or the least error if that takes longer than allowed.
+    Error {
+        /// Root mean square of the relative error: [`Candidate::error`] is its square.
+        error: f64,
+        /// Most seconds of passes.
+        most_seconds: f64,
+    },
+}
+
 /// What was chosen.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -49,6 +67,8 @@ pub struct Choice {
     pub bandwidth: Bandwidth,
     /// [`crate::Settings::gather_rays`]; `None` without final gathering.
     pub gather_rays: Option<u32>,
+    /// Seconds of passes that it was chosen for.
+    pub seconds: f64,
     /// All that were compared, by increasing error, with one radius for each map.
     pub candidates: Vec<Candidate>,
     /// Seconds of a pass that are proportional to the number of paths, until photon maps are built.
@@ -88,7 +108,7 @@ impl Choice {
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Compares the settings that are `open` for `seconds` of passes, and takes the best: afterwards the pipeline renders as if
+    /// Compares the settings that are `open`, and takes the best for the `goal`: afterwards the pipeline renders as if
     /// it had been made with them. The number of paths is not changed: if [`Choice::photons`] differs, a new pipeline has to be
     /// made, whose preparation takes time from such candidates. `None`, and nothing changes, if there is nothing to choose, or
     /// after the first pass. With final gathering only the number of its rays is chosen, and the bias of what they find in maps
@@ -102,7 +122,7 @@ impl<B: TransportBackend> Pipeline<B> {
     ///
     /// # Errors
     /// Errors of the backend.
-    pub fn choose(&mut self, scene: &SceneView<'_>, seconds: f64, open: Open) -> Result<Option<Choice>> {
+    pub fn choose(&mut self, scene: &SceneView<'_>, goal: Goal, open: Open) -> Result<Option<Choice>> {
         let shown = self.maps.iter().any(|slot| is_shown(&self.settings, slot.kind));
         let derived = matches!(self.settings.estimator, Estimator::Radius { radius: None })
             && self.settings.irradiance_every.is_none();
@@ -126,15 +146,17 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         let (whole, seed) = (self.view, self.settings.seed);
         self.settings.seed = !seed;
-        let result = self.compare(scene, seconds, (open, derived));
+        let result = self.compare(scene, goal, (open, derived));
         (self.view, self.settings.seed) = (whole, seed);
         self.recover()?;
-        let (candidates, photon_seconds) = result?;
+        let (comparison, seconds) = result?;
+        let (candidates, photon_seconds) = (comparison.candidates(seconds), comparison.photon_seconds);
         let now = self.settings.photons;
         let bandwidth = (self.settings.bandwidth, open.bandwidth);
         let Some((best, bandwidth)) = decide(&candidates, now, seconds, bandwidth) else { return Ok(None) };
         let Candidate { photons, area, radius_factor, gather_rays, .. } = best;
-        let choice = Choice { photons, area, radius_factor, bandwidth, gather_rays, candidates, photon_seconds };
+        let choice =
+            Choice { photons, area, radius_factor, bandwidth, gather_rays, seconds, candidates, photon_seconds };
         self.take_choice(scene, &choice)?;
         Ok(Some(choice))
     }

@@ -1,4 +1,4 @@
-//! What was chosen for `--time`, as fixed options, and what the other settings were expected to give.
+//! What was chosen for a time, a preset or an error, as fixed options, and what the other settings were expected to give.
 
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -7,18 +7,25 @@ use photon_core::{Area, Bandwidth, Candidate, Choice, Pipeline, Render as _, Set
 use photon_scene::Scene;
 use serde_json::{Value, json};
 
-use crate::args::SettingsArgs;
+use crate::args::{Purpose, SettingsArgs};
 use crate::command::{photon_share, timed};
 use crate::fault::Fault;
+
+/// A preset has no more passes.
+const MOST_PASSES: f64 = 1e6;
 
 /// Number of candidates that `photonmap explain` lists.
 const SHOWN: usize = 16;
 
-/// The settings of a render with `--time`.
+/// The settings of a render, and why they were chosen.
 #[derive(Clone, Debug)]
-pub struct TimedSettings {
+pub struct ChosenSettings {
     /// All settings, given and chosen.
     pub settings: Settings,
+    /// What they were chosen for; `None` if all were fixed.
+    purpose: Option<Purpose>,
+    /// The `--share` of a target.
+    share: f64,
     /// Paths of a pass that are not aimed.
     photons: u32,
     /// Whether paths, areas, the factor on radii and the kind of radii were given as options.
@@ -31,8 +38,9 @@ pub struct TimedSettings {
     pub trials: f64,
 }
 
-impl TimedSettings {
-    /// Makes the renderer, and chooses what the options leave to the program for the time that remains since `begun`.
+impl ChosenSettings {
+    /// Makes the renderer, and chooses what the options leave to the program; the time of `--time` began at `begun`. Settings
+    /// of blocks of passes are fixed.
     ///
     /// # Errors
     /// Those of rendering.
@@ -41,15 +49,20 @@ impl TimedSettings {
         (args, begun): (&SettingsArgs, Instant),
         (scene, view): (&Scene, View),
         settings: Settings,
+        in_blocks: bool,
     ) -> Result<(Pipeline<B>, Self), Fault> {
+        let purpose = args.purpose().filter(|_| !in_blocks);
         let trying = Instant::now();
         let (on, settings) = photon_share::choose(on, args, scene, settings)?;
         let trials = trying.elapsed();
-        let settings = timed::fewer_paths(args, settings);
+        let settings = timed::beginning(args, settings, purpose);
         let renderer = Pipeline::new(on, &scene.view(), view, settings.clone())?;
         let seconds = args.budget.time.map_or(0.0, |time| (time - begun.elapsed().as_secs_f64()).max(0.0));
         let trying = Instant::now();
-        let (renderer, settings, choice) = timed::choose(renderer, (args, begun), (scene, view), settings)?;
+        let (renderer, settings, choice) = match purpose {
+            Some(purpose) => timed::choose(renderer, (args, purpose, begun), (scene, view), settings)?,
+            None => (renderer, settings, None),
+        };
         let trials = trials + trying.elapsed();
         let photons = renderer.facts().photons;
         let estimate = &args.estimate;
@@ -59,10 +72,24 @@ impl TimedSettings {
             estimate.radius_factor.is_some(),
             estimate.bandwidth.is_some(),
         ];
-        Ok((renderer, Self { settings, photons, given, choice, seconds, trials: trials.as_secs_f64() }))
+        let seconds = choice.as_ref().map_or(seconds, |choice| choice.seconds);
+        let trials = trials.as_secs_f64();
+        let share = args.budget.share;
+        Ok((renderer, Self { settings, purpose, share, photons, given, choice, seconds, trials }))
     }
 
-    /// The options that make the same passes when they are given in place of `--time`, besides those that were given.
+    /// The passes for a preset: as many as are expected to take the time of its own ones.
+    pub(super) fn passes(&self) -> Option<u32> {
+        let choice = self.choice.as_ref().filter(|_| matches!(self.purpose, Some(Purpose::Preset(_))))?;
+        choice.chosen().map(|chosen| (choice.seconds / chosen.seconds).round().clamp(1.0, MOST_PASSES) as u32)
+    }
+
+    /// Whether it belongs into reports: settings were chosen, or fixed for a time.
+    pub(super) fn is_told(&self) -> bool {
+        self.choice.is_some() || self.seconds > 0.0
+    }
+
+    /// The options that make the same passes in place of those that they were chosen for, besides those that were given.
     #[must_use]
     pub fn options(&self) -> String {
         let settings = &self.settings;
@@ -85,10 +112,25 @@ impl TimedSettings {
         self.choice.as_ref().is_some_and(|choice| choice.gather_rays.is_some())
     }
 
-    /// The same for a render of this many passes.
+    /// The same for a render of this many passes. With a target, radii that pixels share are adapted to it.
     #[must_use]
     pub fn with_passes(&self, passes: u32) -> String {
-        format!("{} --passes {passes}", self.options()).trim_start().to_owned()
+        let end = match self.purpose {
+            Some(Purpose::Target(target)) if self.settings.bandwidth == Bandwidth::Shared => {
+                format!("--target-error {target} --share {}", self.share)
+            }
+            _ => format!("--passes {passes}"),
+        };
+        format!("{} {end}", self.options()).trim_start().to_owned()
+    }
+
+    /// What they were chosen for, in words.
+    fn aim(&self) -> &'static str {
+        match self.purpose {
+            Some(Purpose::Preset(_)) => "the time of the preset",
+            Some(Purpose::Target(_)) => "the target",
+            Some(Purpose::Time(_)) | None => "the time",
+        }
     }
 
     /// A line for standard error, if something was chosen by trials.
@@ -103,20 +145,30 @@ impl TimedSettings {
         };
         let gathered = forecast("--indirect gather".to_owned(), &|each| each.gather_rays.is_some());
         let errors: Vec<String> = Area::ALL.into_iter().filter_map(by_area).chain(gathered).collect();
-        Some(format!("chosen for the time: {} (forecast of the error: {})", self.options(), errors.join(", ")))
+        let seconds = match self.purpose {
+            Some(Purpose::Time(_)) | None => String::new(),
+            Some(_) => format!(" of {} s", short(self.seconds)),
+        };
+        let (aim, options, errors) = (self.aim(), self.options(), errors.join(", "));
+        Some(format!("chosen for {aim}{seconds}: {options} (forecast of the error: {errors})"))
     }
 
     /// For `photonmap explain`: the options with the number of passes that are expected, and all that was compared.
     pub(super) fn table(&self) -> String {
+        let option = self.purpose.map_or("--time", Purpose::option);
         let Some(choice) = &self.choice else {
+            let options = self.options();
             return format!(
-                "\nnothing is chosen by trials; in place of --time, with a number of passes: {}\n",
-                self.options()
+                "\nnothing is chosen by trials; in place of {option}, with a number of passes: {options}\n"
             );
         };
-        let passes = choice.chosen().map_or(1.0, |chosen| ((self.seconds - self.trials) / chosen.seconds).max(1.0));
-        let mut text = format!("\nchosen by trials of {:.1} s, in place of --time:\n", self.trials);
-        let _ = writeln!(text, "  {} --passes {passes:.0}", self.options());
+        let fit = choice.chosen().map_or(1.0, |chosen| ((self.seconds - self.trials) / chosen.seconds).max(1.0));
+        let passes = self.passes().unwrap_or(fit.round() as u32);
+        let mut text = format!("\nchosen by trials of {:.1} s, in place of {option}:\n", self.trials);
+        let _ = writeln!(text, "  {}", self.with_passes(passes));
+        if self.purpose.is_some_and(|purpose| !matches!(purpose, Purpose::Time(_))) {
+            let _ = writeln!(text, "expected time: {} s, {passes} passes", short(self.seconds));
+        }
         if choice.bandwidth == Bandwidth::PerPixel {
             let _ = writeln!(text, "error estimates, and more paths, make passes longer: fewer of them may fit");
         }
@@ -142,7 +194,8 @@ impl TimedSettings {
     pub fn json(&self, passes: u32) -> Value {
         let candidates = self.choice.iter().flat_map(|choice| &choice.candidates);
         json!({
-            // In place of --time, these make the same picture, unless memory is limited or --errors is given with shared radii.
+            // In place of what they were chosen for, these make the same picture, unless memory is limited, or errors are estimated
+            // with shared radii and a limit on time.
             "options": self.with_passes(passes),
             // Time for trials and passes, without what came before.
             "seconds": self.seconds,
@@ -159,5 +212,71 @@ impl TimedSettings {
                 "seconds_per_pass": candidate.seconds,
             })).collect::<Vec<_>>(),
         })
+    }
+}
+
+/// Seconds with two or three digits.
+fn short(seconds: f64) -> String {
+    if seconds < 10.0 { format!("{seconds:.1}") } else { format!("{seconds:.0}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use backend_cpu::Cpu;
+    use clap::Parser as _;
+    use photon_core::Film;
+
+    use super::*;
+    use crate::args::RenderArgs;
+
+    fn made(options: &[&str], in_blocks: bool) -> (ChosenSettings, Film) {
+        let size = ["render", "--size", "20x20"];
+        let args = RenderArgs::try_parse_from(size.iter().chain(options)).unwrap().settings;
+        let scene = photon_scene::builtin("cornell").unwrap().build().unwrap();
+        let view = args.picture.view(&scene).unwrap();
+        let on = Cpu::with_threads(1).unwrap();
+        let (settings, begun) = (args.settings().unwrap(), Instant::now());
+        let (mut renderer, chosen) =
+            ChosenSettings::pipeline(on, (&args, begun), (&scene, view), settings, in_blocks).unwrap();
+        (0..2).for_each(|pass| {
+            renderer.pass(pass, &mut ()).unwrap();
+        });
+        (chosen, renderer.film().unwrap())
+    }
+
+    /// In place of a preset, the options that were chosen make the same bits.
+    #[test]
+    fn the_options_make_the_same_passes() {
+        for preset in [["--preset", "balanced"], ["--preset", "final"]] {
+            let (chosen, film) = made(&preset, false);
+            assert!(chosen.choice.is_some() && chosen.passes().is_some() && chosen.is_told());
+            let line = chosen.line().unwrap();
+            assert!(line.starts_with("chosen for the time of the preset of "), "{line}");
+            let options = chosen.with_passes(2);
+            let (fixed, again) = made(&options.split(' ').collect::<Vec<_>>(), false);
+            assert!(fixed.choice.is_none() && !fixed.is_told() && fixed.passes().is_none());
+            assert_eq!(film.pixels, again.pixels, "{options}");
+            let (_, other) = made(&[&options.split(' ').collect::<Vec<_>>()[..], &["--alpha", "0.9"]].concat(), false);
+            assert_ne!(film.pixels, other.pixels, "another setting goes unnoticed");
+        }
+    }
+
+    /// With a target, areas and radii may be chosen, and the target remains; the time is not that of the forecast.
+    #[test]
+    fn targets_remain() {
+        let (chosen, _) = made(&["--target-error", "0.2", "--share", "0.5", "--photons", "3000"], false);
+        assert!(chosen.settings.errors && chosen.settings.bandwidth == Bandwidth::Shared);
+        assert!(chosen.with_passes(9).ends_with("--target-error 0.2 --share 0.5"), "{}", chosen.with_passes(9));
+        assert!(chosen.choice.is_some() && chosen.passes().is_none());
+        assert!(chosen.table().contains("in place of --target-error:"), "{}", chosen.table());
+    }
+
+    /// Passes of blocks are rendered by several processes, which would choose differently.
+    #[test]
+    fn blocks_have_the_settings_of_the_preset() {
+        let (chosen, _) = made(&["--preset", "balanced"], true);
+        let preset = Settings::preset(photon_core::Preset::Balanced, 400);
+        assert!(chosen.choice.is_none() && !chosen.is_told());
+        assert_eq!((chosen.settings.photons, chosen.settings.area), (preset.photons, preset.area));
     }
 }

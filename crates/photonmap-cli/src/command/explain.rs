@@ -8,16 +8,16 @@ use photon_scene::Scene;
 
 use crate::args::ExplainArgs;
 use crate::backend::Chosen;
-use crate::command::chosen::TimedSettings;
+use crate::command::chosen::ChosenSettings;
 use crate::command::render;
 use crate::fault::Fault;
 use crate::{load, memory, stdout};
 
 /// Prints what the scene requires with these settings, what is left out, how photons are distributed over lights, and what is
-/// chosen for a time if it is given.
+/// chosen for a time, a preset or a target if it is given.
 ///
 /// # Errors
-/// As [`load::scene_within`], and invalid settings; with a time also those of rendering.
+/// As [`load::scene_within`], and invalid settings; if something is chosen also those of rendering.
 pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
     let mut settings = args.settings.settings()?;
     let begun = Instant::now();
@@ -27,7 +27,7 @@ pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
     // A camera that does not exist is an error here too.
     let view = args.settings.picture.view(&scene)?;
     let mut choice = String::new();
-    if args.settings.is_timed() {
+    if args.settings.is_timed() || args.settings.purpose().is_some() {
         let chosen = trials((args, begun), &scene, view, settings)?;
         choice = chosen.table();
         settings = chosen.settings;
@@ -62,15 +62,15 @@ pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
     stdout::write(text.as_bytes())
 }
 
-/// What is chosen for the time, by trials on the backend of the options.
+/// What is chosen for the time, the preset or the target, by trials on the backend of the options.
 fn trials(
     (args, begun): (&ExplainArgs, Instant),
     scene: &Scene,
     view: View,
     settings: Settings,
-) -> Result<TimedSettings, Fault> {
+) -> Result<ChosenSettings, Fault> {
     if args.machine.several() {
-        return Err(Fault::input("--device: settings for a time are chosen on a single device; give one"));
+        return Err(Fault::input("--device: settings are chosen on a single device; give one"));
     }
     let size = args.settings.picture.size;
     let (opened, _) = render::open(&args.machine)?;
@@ -91,6 +91,6 @@ fn choose<B: TransportBackend>(
     (args, begun): (&ExplainArgs, Instant),
     (scene, view): (&Scene, View),
     settings: Settings,
-) -> Result<TimedSettings, Fault> {
-    TimedSettings::pipeline(on, (&args.settings, begun), (scene, view), settings).map(|(_, chosen)| chosen)
+) -> Result<ChosenSettings, Fault> {
+    ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), settings, false).map(|(_, chosen)| chosen)
 }

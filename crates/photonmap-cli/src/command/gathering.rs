@@ -1,22 +1,24 @@
-//! Final gathering for `--time`, where trials show that it has a much smaller error than reading the map.
-
-use std::time::Instant;
+//! Final gathering for a time, where trials show that it has a much smaller error than reading the map.
 
 use photon_core::{
-    Bandwidth, Candidate, Choice, Indirect, Open, Pipeline, Render as _, Settings, Stage, StageTimings,
+    Bandwidth, Candidate, Choice, Goal, Indirect, Open, Pipeline, Render as _, Settings, Stage, StageTimings,
     TransportBackend, View,
 };
 use photon_scene::Scene;
 
 use crate::args::SettingsArgs;
-use crate::command::timed;
+use crate::command::timed::{self, Deadline};
 use crate::fault::Fault;
 
 /// With less time left, passes would be too few for their noise.
-const MIN_SECONDS: f64 = 4.0;
+const MIN_SECONDS: f64 = 1.2;
 
 /// The preparation of two more pipelines, and trials like those that were made, must take at most this part of the time.
 const MAX_COST: f64 = 0.1;
+
+/// A larger part is affordable if it is short: on a GPU these seconds, up to this part of the time.
+const SHORT: f64 = 0.4;
+const MAX_SHORT_COST: f64 = 0.25;
 
 /// Estimates from maps have to make up this part of the forecast error: gather rays do not change the rest.
 const MIN_MAP_SHARE: f64 = 0.5;
@@ -28,28 +30,29 @@ const MUCH_LESS: f64 = 0.5;
 /// error that was measured.
 const MUCH_LESS_PER_PIXEL: f64 = 0.25;
 
-/// Whether final gathering could be better than what was chosen for these seconds, and whether finding out takes a small part of
-/// them: `setup` is that of a pipeline, and `trials` are the seconds that the present choice took.
+/// Whether final gathering could be better than what was chosen, and whether finding out takes a small part of the time: `setup` is that of a pipeline, and `trials` are the seconds that the present choice took.
 pub(super) fn is_worth_trying(
     args: &SettingsArgs,
     settings: &Settings,
-    (choice, seconds): (&Choice, f64),
+    choice: &Choice,
     (setup, trials): (&StageTimings, f64),
 ) -> bool {
     let is_open = args.light.indirect.is_none() && args.light.gather_rays.is_none();
     // What final gathering cannot have may have been asked for.
+    let budget = &args.budget;
     let is_possible = settings.indirect == Indirect::Map
         && settings.memory.is_none()
-        && settings.bandwidth == Bandwidth::Shared
-        && !settings.errors;
+        && args.estimate.bandwidth != Some(Bandwidth::PerPixel)
+        && !budget.errors
+        && budget.target_error.is_none();
     // Its kernels are not compiled yet: about as long as those of the present pipeline.
     let cost = 2.0 * setup.total() + setup.get(Stage::Compile) + trials;
     let may_help = choice.chosen().is_some_and(|chosen| is_by_maps(chosen.error, chosen.direct_error));
-    is_open && is_possible && is_affordable(cost, seconds) && may_help
+    is_open && is_possible && is_affordable(cost, choice.seconds) && may_help
 }
 
 fn is_affordable(cost: f64, seconds: f64) -> bool {
-    seconds >= MIN_SECONDS && cost <= MAX_COST * seconds
+    seconds >= MIN_SECONDS && cost <= (MAX_COST * seconds).max(SHORT.min(MAX_SHORT_COST * seconds))
 }
 
 /// Whether enough of an error is by estimates from maps.
@@ -63,18 +66,17 @@ fn is_by_maps(error: f64, direct_error: f64) -> bool {
 /// Those of rendering.
 pub(super) fn choose<B: TransportBackend>(
     renderer: Pipeline<B>,
-    (args, begun): (&SettingsArgs, Instant),
+    (args, deadline): (&SettingsArgs, Deadline),
     (scene, view): (&Scene, View),
     settings: Settings,
     mut choice: Choice,
 ) -> Result<(Pipeline<B>, Settings, Option<Choice>), Fault> {
-    let time = args.budget.time.unwrap_or_default();
-    let left = || (time - begun.elapsed().as_secs_f64()).max(0.0);
     let photons = renderer.facts().photons;
-    let gathers = Settings { indirect: Indirect::Gather, ..settings.clone() };
+    let gathers =
+        Settings { indirect: Indirect::Gather, bandwidth: Bandwidth::Shared, errors: false, ..settings.clone() };
     let mut renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, gathers.clone())?;
     let open = Open { photons: false, area: false, radius_factor: false, bandwidth: false, gather_rays: true };
-    let other = renderer.choose(&scene.view(), left(), open)?;
+    let other = renderer.choose(&scene.view(), Goal::Time(deadline.left()), open)?;
     let error = |choice: &Choice| choice.chosen().map(|chosen| chosen.error);
     let errors = other.as_ref().and_then(error).zip(error(&choice));
     let is_better = errors.is_some_and(|(gathered, by_map)| is_much_less(gathered, by_map, choice.bandwidth));
@@ -85,7 +87,7 @@ pub(super) fn choose<B: TransportBackend>(
             Ok((renderer, chosen, Some(other)))
         }
         other => {
-            let (chosen, _) = timed::with_choice(args, settings, &choice, (photons, view, left()));
+            let (chosen, _) = timed::with_choice(args, settings, &choice, (photons, view));
             let renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, chosen.clone())?;
             add(&mut choice.candidates, other.map_or_else(Vec::new, |other| other.candidates));
             Ok((renderer, chosen, Some(choice)))
@@ -106,6 +108,8 @@ fn add(to: &mut Vec<Candidate>, others: Vec<Candidate>) {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Instant;
+
     use backend_cpu::Cpu;
     use clap::Parser as _;
 
@@ -123,11 +127,12 @@ mod tests {
             let mut renderer =
                 Pipeline::new(Cpu::with_threads(1).unwrap(), &scene.view(), view, settings.clone()).unwrap();
             let open = Open { photons: false, area: true, radius_factor: true, bandwidth: false, gather_rays: false };
-            let mut choice = renderer.choose(&scene.view(), 5.0, open).unwrap().unwrap();
+            let mut choice = renderer.choose(&scene.view(), Goal::Time(5.0), open).unwrap().unwrap();
             choice.candidates.iter_mut().for_each(|candidate| candidate.error = error_of_maps);
+            let deadline = Deadline { since: Instant::now(), seconds: 5.0 };
             let (by_map, area) = (choice.candidates.len(), choice.area);
             let (mut renderer, chosen, compared) =
-                choose(renderer, (&args, Instant::now()), (&scene, view), settings.clone(), choice).unwrap();
+                choose(renderer, (&args, deadline), (&scene, view), settings.clone(), choice).unwrap();
             assert_eq!(chosen.indirect, indirect);
             assert!(indirect == Indirect::Gather || chosen.area == area);
             assert_eq!(renderer.facts().required.final_gather, indirect == Indirect::Gather);
@@ -142,7 +147,10 @@ mod tests {
 
     #[test]
     fn trials_take_little_of_the_time_and_may_help() {
-        assert!(is_affordable(0.4, 4.0) && !is_affordable(0.41, 4.0) && !is_affordable(0.0, 3.9));
+        assert!(is_affordable(1.0, 10.0) && !is_affordable(1.01, 10.0) && !is_affordable(0.0, 1.1));
+        // Short trials may take more of a short time.
+        assert!(is_affordable(0.4, 2.0) && !is_affordable(0.41, 2.0) && is_affordable(0.3, 1.2));
+        assert!(!is_affordable(0.31, 1.2));
         assert!(is_by_maps(1.0, 0.49) && !is_by_maps(1.0, 0.51) && !is_by_maps(f64::NAN, 0.0));
     }
 

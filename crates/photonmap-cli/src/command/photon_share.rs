@@ -8,7 +8,6 @@ use photon_core::{
 use photon_scene::Scene;
 
 use crate::args::SettingsArgs;
-use crate::command::timed;
 use crate::fault::Fault;
 
 /// Below this share of the light, fewer photons are better.
@@ -42,7 +41,7 @@ pub(super) fn choose<B: TransportBackend>(
     // Radii have to be derived, so that those of fewer photons are larger.
     let is_derived =
         matches!(settings.estimator, Estimator::Radius { radius: None }) && settings.irradiance_every.is_none();
-    let is_left_to_us = is_derived && !is_given && args.is_timed() && !timed::is_chosen(args);
+    let is_left_to_us = is_derived && !is_given && args.is_timed() && args.purpose().is_none();
     if !is_open || !is_left_to_us || settings.photons / FEWER < Choice::MIN_PHOTONS {
         return Ok((on, settings));
     }

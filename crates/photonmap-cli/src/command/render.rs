@@ -11,7 +11,7 @@ use photon_scene::{CompressedTree, LoadReport, Scene};
 
 use crate::args::{MachineArgs, RenderArgs};
 use crate::backend::{self, Chosen, Opened};
-use crate::command::chosen::TimedSettings;
+use crate::command::chosen::ChosenSettings;
 use crate::command::picture::{self, Look, Shown};
 use crate::command::{render_blocks, render_film, render_passes};
 use crate::denoise::Denoiser;
@@ -62,7 +62,12 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         }
         None => {
             let renderer = &mut *renderers[0];
-            (render_passes::run(args, settings.photons, renderer, begun, (&mut watch, &stop))?, renderer.film()?, None)
+            let chosen = started.chosen.as_ref().and_then(ChosenSettings::passes);
+            (
+                render_passes::run((args, chosen), settings.photons, renderer, begun, (&mut watch, &stop))?,
+                renderer.film()?,
+                None,
+            )
         }
     };
     let seconds_passes = ready.elapsed().as_secs_f64();
@@ -189,8 +194,8 @@ pub(super) fn open(machine: &MachineArgs) -> Result<(Opened, f64), Fault> {
 #[derive(Default)]
 struct Started {
     device: f64,
-    /// With `--time`.
-    chosen: Option<TimedSettings>,
+    /// With `--time`, `--preset` and `--target-error`.
+    chosen: Option<ChosenSettings>,
 }
 
 /// The output files, checked before anything is rendered.
@@ -303,7 +308,7 @@ fn start(
     Ok((vec![renderer], Started { device, chosen }))
 }
 
-/// A renderer, and what was chosen for the time if it is given.
+/// A renderer, and what was chosen.
 fn chosen_pipeline<B: TransportBackend>(
     on: B,
     (args, begun): (&RenderArgs, Instant),
@@ -311,14 +316,15 @@ fn chosen_pipeline<B: TransportBackend>(
     view: View,
     memory: Option<u64>,
     settings: &mut Settings,
-) -> Result<(Box<dyn Render>, Option<TimedSettings>), Fault> {
+) -> Result<(Box<dyn Render>, Option<ChosenSettings>), Fault> {
     let within = Settings { memory, ..settings.clone() };
-    let (renderer, chosen) = TimedSettings::pipeline(on, (&args.settings, begun), (scene, view), within)?;
+    let (renderer, chosen) =
+        ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), within, render_blocks::in_blocks(args))?;
     if let Some(line) = chosen.line() {
         eprintln!("{line}");
     }
     *settings = Settings { memory: settings.memory, ..chosen.settings.clone() };
-    Ok((Box::new(renderer), args.settings.is_timed().then_some(chosen)))
+    Ok((Box::new(renderer), chosen.is_told().then_some(chosen)))
 }
 
 fn pipeline<B: TransportBackend>(

@@ -15,12 +15,13 @@ use crate::forecast_text::{error_line, forecast_lines};
 use crate::progress::{Limit, Progress};
 use crate::watch::{Watch, Watching};
 
-/// Renders passes on one device until the budget of the options is spent, or `stop` is set.
+/// Renders passes on one device until the budget of the options is spent, or `stop` is set; as many passes as were chosen for
+/// a preset, if they were.
 ///
 /// # Errors
 /// [`Fault`] if rendering fails.
 pub(super) fn run(
-    args: &RenderArgs,
+    (args, chosen): (&RenderArgs, Option<u32>),
     photons: u32,
     renderer: &mut dyn Render,
     started: Instant,
@@ -30,6 +31,7 @@ pub(super) fn run(
     let limit = args.settings.budget.time.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX));
     let time = limit.map(|time| time.saturating_sub(started.elapsed() + writing(args)));
     let mut plan = args.settings.plan(time);
+    plan.until = chosen.map_or(plan.until, Budget::Passes);
     // The same total number of photons, if the memory limit makes passes smaller.
     let each = renderer.facts().photons;
     if each < photons {

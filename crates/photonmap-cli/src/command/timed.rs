@@ -1,73 +1,117 @@
-//! Settings for `--time`: those that are not given are chosen by trials in this scene.
+//! Settings for `--time`, `--preset` or `--target-error`: those that are not given are chosen by trials in this scene.
 
 use std::time::Instant;
 
 use photon_core::{
-    Bandwidth, Candidate, Choice, Estimator, Indirect, Open, Pipeline, Render as _, Settings, TransportBackend, View,
+    Area, Bandwidth, Candidate, Choice, Estimator, Goal, Indirect, Open, Pipeline, Preset, Render as _, Settings,
+    TransportBackend, View,
 };
 use photon_scene::Scene;
 
-use crate::args::SettingsArgs;
+use crate::args::{Purpose, SettingsArgs};
 use crate::command::gathering;
 use crate::fault::Fault;
 
-/// Half of the paths, from which trials begin: mostly, more passes are better than more photons in a given time.
-pub(super) fn fewer_paths(args: &SettingsArgs, settings: Settings) -> Settings {
+/// A time that trials and passes have together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Deadline {
+    pub(super) since: Instant,
+    pub(super) seconds: f64,
+}
+
+impl Deadline {
+    pub(super) fn left(&self) -> f64 {
+        (self.seconds - self.since.elapsed().as_secs_f64()).max(0.0)
+    }
+}
+
+/// With a target, the most paths for each pixel from which trials begin. Fewer take less time, but leave more pixels without an
+/// error estimate.
+const PATHS_PER_PIXEL: u32 = 4;
+
+/// The settings from which trials begin.
+pub(super) fn beginning(args: &SettingsArgs, settings: Settings, purpose: Option<Purpose>) -> Settings {
+    match purpose {
+        None => settings,
+        Some(Purpose::Time(_)) => fewer_paths(args, settings),
+        // Radii per pixel and error estimates are what it is for.
+        Some(Purpose::Preset(Preset::Final)) => settings,
+        Some(Purpose::Preset(_)) => Settings { area: args.estimate.area.unwrap_or(Area::Surface), ..settings },
+        Some(Purpose::Target(_)) => {
+            let (width, height) = args.picture.size;
+            let few = PATHS_PER_PIXEL.saturating_mul(width).saturating_mul(height).max(Choice::MIN_PHOTONS);
+            let photons = args.photon.photons.unwrap_or(settings.photons.min(few));
+            Settings { photons, area: args.estimate.area.unwrap_or(Area::Surface), ..settings }
+        }
+    }
+}
+
+/// Half of the paths: mostly, more passes are better than more photons in a given time.
+fn fewer_paths(args: &SettingsArgs, settings: Settings) -> Settings {
     let is_derived =
         matches!(settings.estimator, Estimator::Radius { radius: None }) && settings.irradiance_every.is_none();
-    let from_maps = settings.indirect == Indirect::Map;
-    if args.photon.photons.is_some() || !is_derived || !from_maps || !is_chosen(args) {
+    if args.photon.photons.is_some() || !is_derived || settings.indirect != Indirect::Map {
         return settings;
     }
     Settings { photons: (settings.photons / 2).max(Choice::MIN_PHOTONS.min(settings.photons)), ..settings }
 }
 
-/// Whether settings are chosen by trials: with `--time` and nothing else that determines its use. Error
-/// estimates are wanted with the settings that are best for them.
-pub(super) fn is_chosen(args: &SettingsArgs) -> bool {
-    args.is_timed() && !args.budget.errors
+/// The root mean square of errors, of which nearly all are claimed to be within 1: two to three standard errors.
+const TYPICAL: f64 = 1.0 / 3.0;
+
+/// What a pipeline chooses settings for; `time` is what is left of `--time`, which may be the limit of a target.
+fn goal(purpose: Purpose, time: f64) -> Goal {
+    match purpose {
+        Purpose::Time(_) => Goal::Time(time),
+        Purpose::Preset(preset) => Goal::Passes(preset.passes()),
+        Purpose::Target(target) => Goal::Error { error: TYPICAL * target, most_seconds: time },
+    }
 }
 
 /// Chooses areas, radii, the number of paths, whether each pixel has a radius of its own, and whether there is final
-/// gathering, for the time that remains since `begun`. The renderer has them afterwards; it is returned with its settings.
+/// gathering. The renderer has them afterwards; it is returned with its settings.
 ///
 /// # Errors
 /// Those of rendering.
 pub(super) fn choose<B: TransportBackend>(
     mut renderer: Pipeline<B>,
-    (args, begun): (&SettingsArgs, Instant),
+    (args, purpose, begun): (&SettingsArgs, Purpose, Instant),
     (scene, view): (&Scene, View),
     settings: Settings,
 ) -> Result<(Pipeline<B>, Settings, Option<Choice>), Fault> {
-    let Some(time) = args.budget.time.filter(|_| is_chosen(args)) else { return Ok((renderer, settings, None)) };
-    let given = &args.estimate;
+    let (given, is_target) = (&args.estimate, matches!(purpose, Purpose::Target(_)));
     let open = Open {
-        photons: args.photon.photons.is_none(),
+        // With a target, fewer paths would leave more pixels without an error estimate.
+        photons: args.photon.photons.is_none() && !is_target,
         area: given.area.is_none(),
         radius_factor: given.radius_factor.is_none(),
-        bandwidth: given.bandwidth.is_none(),
+        // Radii that pixels share are adapted to a target after the first passes.
+        bandwidth: given.bandwidth.is_none() && !is_target,
         gather_rays: false,
     };
-    let seconds = (time - begun.elapsed().as_secs_f64()).max(0.0);
-    let Some(choice) = renderer.choose(&scene.view(), seconds, open)? else { return Ok((renderer, settings, None)) };
-    let trials = seconds - (time - begun.elapsed().as_secs_f64());
-    if gathering::is_worth_trying(args, &settings, (&choice, seconds), (&renderer.facts().setup, trials)) {
-        return gathering::choose(renderer, (args, begun), (scene, view), settings, choice);
+    let since = Instant::now();
+    let time = args.budget.time.map_or(f64::INFINITY, |time| (time - begun.elapsed().as_secs_f64()).max(0.0));
+    let goal = goal(purpose, time);
+    let Some(choice) = renderer.choose(&scene.view(), goal, open)? else { return Ok((renderer, settings, None)) };
+    let trials = since.elapsed().as_secs_f64();
+    // The time of a preset is that of its passes alone.
+    let deadline = Deadline { since: if time.is_finite() { since } else { Instant::now() }, seconds: choice.seconds };
+    if gathering::is_worth_trying(args, &settings, &choice, (&renderer.facts().setup, trials)) {
+        return gathering::choose(renderer, (args, deadline), (scene, view), settings, choice);
     }
-    let (wanted, is_new) = with_choice(args, settings, &choice, (renderer.facts().photons, view, seconds));
+    let (wanted, is_new) = with_choice(args, settings, &choice, (renderer.facts().photons, view));
     if is_new {
         renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, wanted.clone())?;
     }
     Ok((renderer, wanted, Some(choice)))
 }
 
-/// The settings with what was chosen for this many seconds by a renderer with so many `photons`, and whether another one is
-/// needed.
+/// The settings with what was chosen by a renderer with so many `photons`, and whether another one is needed.
 pub(super) fn with_choice(
     args: &SettingsArgs,
     settings: Settings,
     choice: &Choice,
-    (photons, view, seconds): (u32, View, f64),
+    (photons, view): (u32, View),
 ) -> (Settings, bool) {
     let errors = settings.errors || choice.bandwidth == Bandwidth::PerPixel;
     let radius_factor = settings.radius_factor * choice.radius_factor;
@@ -75,7 +119,7 @@ pub(super) fn with_choice(
     let mut is_new = false;
     if args.photon.photons.is_none() {
         let pixels = view.width.saturating_mul(view.height);
-        let more = more_paths(choice, photons, pixels, seconds);
+        let more = more_paths(choice, photons, pixels);
         let chosen = more.map_or(choice.photons, |more| more.max(choice.photons));
         is_new = chosen != photons;
         if is_new {
@@ -91,11 +135,11 @@ const MANY_PASSES: f64 = 200.0;
 /// The number of paths per pass if more are better: where radii are those of each pixel, the squared error by photons falls about
 /// as (total paths)^(−2/3), and other noise is small after many passes. On a GPU a pass takes hardly longer with several times
 /// as many. At most two per pixel; `None` if that is less than 1.5 times those of now.
-fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
+fn more_paths(choice: &Choice, photons: u32, pixels: u32) -> Option<u32> {
     let of_area = |each: &&Candidate| each.area == choice.area && each.photons == photons;
     let best = choice.candidates.iter().find(of_area)?;
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
-    if choice.bandwidth == Bandwidth::PerPixel { increased(photons, pixels, parts, seconds) } else { None }
+    if choice.bandwidth == Bandwidth::PerPixel { increased(photons, pixels, parts, choice.seconds) } else { None }
 }
 
 fn increased(photons: u32, pixels: u32, parts: [f64; 2], seconds: f64) -> Option<u32> {

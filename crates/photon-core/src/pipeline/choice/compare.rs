@@ -2,7 +2,7 @@
 
 use super::super::Pipeline;
 use super::forecast::{Model, Trial, reference, variance, weights, with_gather_rays};
-use super::{Candidate, Choice, Open};
+use super::{Candidate, Choice, Goal, Open};
 use crate::backend::TransportBackend;
 use crate::backend::stages::View;
 use crate::error::Result;
@@ -33,6 +33,11 @@ const TIMED_PART_OF_RAYS: f64 = 0.01;
 /// Multiples of the number of paths that may be chosen.
 const MULTIPLES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
 
+/// Times that are tried for an error: from the first to the last second, each so many times the one before.
+const SHORTEST: f64 = 0.05;
+const LONGEST: f64 = 1e6;
+const STEP: f64 = 1.2;
+
 /// What two passes of a small picture, with the same settings of estimates and of gather rays, gave and took.
 struct Measured {
     /// For each setting of the estimates.
@@ -46,16 +51,84 @@ struct Measured {
     others: Vec<f64>,
     /// Seconds of a pass until there are photon maps: fixed, and proportional to the number of paths.
     photons: [f64; 2],
+    /// Seconds of a pass for camera paths and direct light, which those of the trials contain.
+    look: f64,
+}
+
+impl Measured {
+    /// Small pictures do not fill a GPU: from the time that the whole picture takes for camera paths follow the others.
+    fn rescale(&mut self, look: f64) {
+        let part = (look / self.look).clamp(0.0, 1.0);
+        self.trials.iter_mut().for_each(|trial| trial.seconds *= part);
+        self.gathering.iter_mut().for_each(|seconds| *seconds *= part);
+        self.look *= part;
+    }
+}
+
+/// What the trials say about one kind of areas with one number of gather rays.
+struct Compared {
+    gather_rays: Option<u32>,
+    area: Area,
+    model: Model,
+}
+
+/// What can be forecast from trials, for any time.
+pub(super) struct Comparison {
+    compared: Vec<Compared>,
+    /// Multiples of the number of paths, and factors on radii, that may be chosen.
+    multiples: Vec<f64>,
+    factors: &'static [f64],
+    /// The present number of paths, and seconds of a pass that are proportional to it.
+    photons: u32,
+    pub(super) photon_seconds: f64,
+    /// Seconds of the preparation that another number of paths takes.
+    setup: f64,
+}
+
+impl Comparison {
+    /// The candidates for so many seconds of passes, by increasing error.
+    pub(super) fn candidates(&self, seconds: f64) -> Vec<Candidate> {
+        let mut candidates = Vec::new();
+        for &Compared { gather_rays, area, ref model } in &self.compared {
+            for &more in &self.multiples {
+                let photons = (more * f64::from(self.photons)).min(f64::from(u32::MAX)) as u32;
+                // For another number a new pipeline is prepared; its kernels are compiled already.
+                let seconds = if more == 1.0 { seconds } else { (seconds - self.setup).max(0.0) };
+                candidates.extend(self.factors.iter().map(|&radius_factor| {
+                    let [seconds, error, direct_error] = model.forecast(more, radius_factor, seconds);
+                    Candidate { photons, area, radius_factor, gather_rays, seconds, error, direct_error }
+                }));
+            }
+        }
+        candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
+        candidates
+    }
+
+    /// The seconds of passes for this goal.
+    pub(super) fn seconds(&self, goal: Goal) -> f64 {
+        match goal {
+            Goal::Time(seconds) => seconds,
+            // The first has the present kind of areas.
+            Goal::Passes(passes) => self.compared.first().map_or(0.0, |each| each.model.seconds_of(passes)),
+            Goal::Error { error, most_seconds } => {
+                let longest = LONGEST.min(most_seconds);
+                let is_reached =
+                    |seconds: &f64| self.candidates(*seconds).first().is_some_and(|best| best.error <= error * error);
+                let mut times = std::iter::successors(Some(SHORTEST), |time| Some(STEP * time));
+                times.by_ref().take_while(|time| *time < longest).find(is_reached).unwrap_or(longest)
+            }
+        }
+    }
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// The candidates by increasing error, and the seconds of a pass that are proportional to the number of paths.
+    /// What trials say about the settings that are `open`, and the seconds of passes for the goal.
     pub(super) fn compare(
         &mut self,
         scene: &SceneView<'_>,
-        seconds: f64,
+        goal: Goal,
         (open, derived): (Open, bool),
-    ) -> Result<(Vec<Candidate>, f64)> {
+    ) -> Result<(Comparison, f64)> {
         let areas: &[Area] = match (open.area, self.stages.area.is_some()) {
             (true, _) => &[Area::Surface, Area::Disc],
             (false, true) => &[Area::Surface],
@@ -63,19 +136,44 @@ impl<B: TransportBackend> Pipeline<B> {
         };
         // Radii tell the bias, even if none may be chosen.
         let tried: &[f64] = if derived { &TRIED_FACTORS } else { &[1.0] };
-        let possible: &[f64] = if open.radius_factor { &POSSIBLE_FACTORS } else { &[1.0] };
         let settings: Vec<(Area, f64)> =
             areas.iter().flat_map(|&area| tried.iter().map(move |&factor| (area, factor))).collect();
-        let Measured { trials, sampled, gathering, others, photons } =
-            self.measure(scene, seconds, open.gather_rays, &settings)?;
-        let Some(least) = trials.first() else { return Ok((Vec::new(), photons[1])) };
-        let weights = weights(least, &others);
-        let reference = reference(&trials);
+        let (rays, timed_part): (&[u32], f64) =
+            if open.gather_rays { (&TRIED_RAYS, TIMED_PART_OF_RAYS) } else { (&[], TIMED_PART) };
+        let mut measured = self.measure(scene, rays, &settings)?;
+        measured.rescale(self.time_look()?);
+        let mut comparison = self.comparison(&measured, areas, open);
+        let mut seconds = comparison.seconds(goal);
+        let all = measured.trials.iter().map(|trial| trial.seconds).chain(measured.gathering.iter().copied());
+        if measured.photons[1] + all.sum::<f64>() < timed_part * seconds {
+            let timed = self.time_whole(rays, &settings)?;
+            measured.photons = timed.photons;
+            measured.gathering = timed.gathering;
+            let trials = measured.trials.iter_mut().zip(timed.shown);
+            trials.for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);
+            comparison = self.comparison(&measured, areas, open);
+            seconds = comparison.seconds(goal);
+        }
+        Ok((comparison, seconds))
+    }
+
+    fn comparison(&self, measured: &Measured, areas: &[Area], open: Open) -> Comparison {
+        let Measured { trials, sampled, gathering, others, photons, .. } = measured;
         let now = f64::from(self.settings.photons);
         let multiples = MULTIPLES
             .iter()
             .filter(|&&more| more == 1.0 || open.photons && more * now >= f64::from(Choice::MIN_PHOTONS));
-        let multiples: Vec<f64> = multiples.copied().collect();
+        let mut comparison = Comparison {
+            compared: Vec::new(),
+            multiples: multiples.copied().collect(),
+            factors: if open.radius_factor { &POSSIBLE_FACTORS } else { &[1.0] },
+            photons: self.settings.photons,
+            photon_seconds: photons[1],
+            setup: self.setup.total(),
+        };
+        let Some(least) = trials.first() else { return comparison };
+        let weights = weights(least, others);
+        let reference = reference(trials);
         // Numbers of gather rays, the variance of a pass that is not by photons, and the seconds of the rays.
         let noise: Vec<f64> = sampled.iter().map(|both| variance(both, &weights)).collect();
         let by_rays: Vec<(Option<u32>, [f64; 2])> = match (noise.as_slice(), gathering.as_slice()) {
@@ -85,40 +183,22 @@ impl<B: TransportBackend> Pipeline<B> {
             }
             _ => noise.iter().map(|&noise| (None, [noise, 0.0])).collect(),
         };
-        let mut candidates = Vec::new();
         for (&(gather_rays, [noise, gathering]), &area) in
             by_rays.iter().flat_map(|each| areas.iter().map(move |area| (each, area)))
         {
             let of_area: Vec<&Trial> = trials.iter().filter(|trial| trial.area == area).collect();
             let photons = [photons[0] + gathering, photons[1]];
             let model = Model::new(&of_area, &reference, noise, &weights, photons, self.settings.alpha);
-            for &more in &multiples {
-                let photons = (more * now).min(f64::from(u32::MAX)) as u32;
-                // For another number a new pipeline is prepared; its kernels are compiled already.
-                let seconds = if more == 1.0 { seconds } else { (seconds - self.setup.total()).max(0.0) };
-                candidates.extend(possible.iter().map(|&radius_factor| {
-                    let [seconds, error, direct_error] = model.forecast(more, radius_factor, seconds);
-                    Candidate { photons, area, radius_factor, gather_rays, seconds, error, direct_error }
-                }));
-            }
+            comparison.compared.push(Compared { gather_rays, area, model });
         }
-        candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
-        Ok((candidates, photons[1]))
+        comparison
     }
 
-    /// Renders the trials, and times passes of the whole picture if these take little of the `seconds`.
-    fn measure(
-        &mut self,
-        scene: &SceneView<'_>,
-        seconds: f64,
-        gathers: bool,
-        settings: &[(Area, f64)],
-    ) -> Result<Measured> {
+    /// Renders the trials: two passes of a small picture.
+    fn measure(&mut self, scene: &SceneView<'_>, rays: &[u32], settings: &[(Area, f64)]) -> Result<Measured> {
         let whole = self.view;
         let reduced = |length: u32| (length / REDUCTION).max(MIN_SIZE).min(length);
         let small = View { width: reduced(whole.width), height: reduced(whole.height), ..whole };
-        let (rays, timed_part): (&[u32], f64) =
-            if gathers { (&TRIED_RAYS, TIMED_PART_OF_RAYS) } else { (&[], TIMED_PART) };
         let mut film = self.on.film(scene, small.width, small.height)?;
         if self.settings.errors {
             self.on.keep_errors(&mut film)?;
@@ -133,12 +213,12 @@ impl<B: TransportBackend> Pipeline<B> {
         let more = pixels(whole) / pixels(small);
         // The lesser of two times: other programs only add to them. Until the whole picture is timed, the time for photons is
         // taken to be proportional to the number of paths.
-        let (mut photons, look) = ([0.0, first.photons.min(second.photons)], first.look.min(second.look));
-        let mut gathering: Vec<f64> =
+        let (photons, look) = ([0.0, first.photons.min(second.photons)], first.look.min(second.look));
+        let gathering =
             (0..rays.len()).map(|number| first.gathering(number).min(second.gathering(number)) * more).collect();
         let sampled = (0..rays.len().max(1)).map(|number| [first.sampled(number), second.sampled(number)]).collect();
         let others = first.others(&second);
-        let mut trials: Vec<Trial> = settings
+        let trials = settings
             .iter()
             .zip(first.shown.into_iter().zip(second.shown))
             .map(|(&(area, factor), ((one, once), (two, again)))| Trial {
@@ -148,13 +228,6 @@ impl<B: TransportBackend> Pipeline<B> {
                 seconds: (look + once.min(again)) * more,
             })
             .collect();
-        let all = trials.iter().map(|trial| trial.seconds).chain(gathering.iter().copied()).sum::<f64>();
-        if photons[1] + all < timed_part * seconds {
-            let timed = self.time_whole(rays, settings)?;
-            photons = timed.photons;
-            gathering = timed.gathering;
-            trials.iter_mut().zip(timed.shown).for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);
-        }
-        Ok(Measured { trials, sampled, gathering, others, photons })
+        Ok(Measured { trials, sampled, gathering, others, photons, look: look * more })
     }
 }

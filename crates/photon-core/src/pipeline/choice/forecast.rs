@@ -119,6 +119,13 @@ impl Model {
         }
     }
 
+    /// The seconds of this many passes with the present number of paths and radii.
+    pub(super) fn seconds_of(&self, passes: u32) -> f64 {
+        let passes = passes.max(1);
+        let wide = (radius_squared_sum(passes, self.alpha) / f64::from(passes)).sqrt();
+        f64::from(passes) * (self.photons[0] + self.photons[1] + self.seconds.at(wide))
+    }
+
     /// With `more` times the paths and a factor on radii that are derived from their density: seconds of a pass, the squared
     /// relative error after `seconds`, and the part of that error that is not by photons.
     pub(super) fn forecast(&self, more: f64, factor: f64, seconds: f64) -> [f64; 3] {

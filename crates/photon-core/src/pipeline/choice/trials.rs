@@ -92,6 +92,14 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(Tried { photons, look, emission: sum(&seen, &[Layer::Emission]), direct, gathered, shown })
     }
 
+    /// Seconds for camera paths and direct light of the whole picture.
+    pub(super) fn time_look(&mut self) -> Result<f64> {
+        self.on.timings()?;
+        let seconds = self.look(0).and_then(|_| self.rendering());
+        self.on.abandon_pass(&mut self.film)?;
+        seconds
+    }
+
     /// What a pass with the whole picture takes; nothing is added to the film, even after an error.
     pub(super) fn time_whole(&mut self, rays: &[u32], settings: &[(Area, f64)]) -> Result<Timed> {
         let timed = self.timed_pass(rays, settings);

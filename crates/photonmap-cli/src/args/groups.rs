@@ -104,6 +104,9 @@ pub struct OutputArgs {
 pub struct BudgetArgs {
     /// Settings for a purpose: a quick look, everyday work, or a finished picture. Options given explicitly take
     /// precedence.
+    ///
+    /// For `balanced` and `final`, trials in the scene choose what has the least error in the time that the preset's own passes
+    /// would take, unless --passes, --time, a target, a film or several devices are given.
     #[arg(long, value_parser = choice::<Preset>(Preset::ALL.map(Preset::name)))]
     pub preset: Option<Preset>,
     /// Number of passes, or a range such as 64..128 [default: 32, that of the preset, or as many as --time allows].
@@ -115,7 +118,7 @@ pub struct BudgetArgs {
     ///
     /// Passes are rendered until the time is used up. Unless --preset, --passes or a target is given, --photons, --area,
     /// --radius-factor and --bandwidth are chosen by trials in the scene, and reported as options (`photonmap explain` shows
-    /// them without rendering); if 4 seconds are left after preparation, --indirect and --gather-rays too. With --errors,
+    /// them without rendering); if their trials take little of the time, --indirect and --gather-rays too. With --errors,
     /// --area and --bandwidth are those of the preset `final`, and --photons is two per pixel, at most 200k; under an
     /// environment an eighth of that if photons bring little of the light.
     #[arg(long, value_name = "SECONDS")]
@@ -123,7 +126,8 @@ pub struct BudgetArgs {
     /// Stop at this relative error, such as 0.05.
     ///
     /// The error is an estimated bound for each pixel, relative to its radiance, or to a tenth of the picture's mean
-    /// where the pixel is darker. --passes and --time are then upper limits.
+    /// where the pixel is darker. --passes and --time are then upper limits. Without --passes, --area and --radius-factor are
+    /// chosen by trials.
     #[arg(long, value_name = "E")]
     pub target_error: Option<f64>,
     /// Fraction of the pixels with an error estimate that must reach --target-error.

@@ -24,6 +24,8 @@ pub struct ChosenSettings {
     pub settings: Settings,
     /// What they were chosen for; `None` if all were fixed.
     purpose: Option<Purpose>,
+    /// [`SettingsArgs::is_timed`].
+    is_timed: bool,
     /// The `--share` of a target.
     share: f64,
     /// Paths of a pass that are not aimed.
@@ -74,19 +76,19 @@ impl ChosenSettings {
         ];
         let seconds = choice.as_ref().map_or(seconds, |choice| choice.seconds);
         let trials = trials.as_secs_f64();
-        let share = args.budget.share;
-        Ok((renderer, Self { settings, purpose, share, photons, given, choice, seconds, trials }))
+        let (is_timed, share) = (args.is_timed(), args.budget.share);
+        Ok((renderer, Self { settings, purpose, is_timed, share, photons, given, choice, seconds, trials }))
     }
 
     /// The passes for a preset: as many as are expected to take the time of its own ones.
     pub(super) fn passes(&self) -> Option<u32> {
         let choice = self.choice.as_ref().filter(|_| matches!(self.purpose, Some(Purpose::Preset(_))))?;
-        choice.chosen().map(|chosen| (choice.seconds / chosen.seconds).round().clamp(1.0, MOST_PASSES) as u32)
+        choice.chosen().map(|chosen| (choice.seconds / chosen.seconds.max(1e-9)).round().clamp(1.0, MOST_PASSES) as u32)
     }
 
-    /// Whether it belongs into reports: settings were chosen, or fixed for a time.
+    /// Whether it belongs in reports: settings were chosen, or fixed for a time.
     pub(super) fn is_told(&self) -> bool {
-        self.choice.is_some() || self.seconds > 0.0
+        self.choice.is_some() || self.is_timed
     }
 
     /// The options that make the same passes in place of those that they were chosen for, besides those that were given.
@@ -197,7 +199,7 @@ impl ChosenSettings {
             // In place of what they were chosen for, these make the same picture, unless memory is limited, or errors are estimated
             // with shared radii and a limit on time.
             "options": self.with_passes(passes),
-            // Time for trials and passes, without what came before.
+            // Time for passes; with --time for trials too, without what came before.
             "seconds": self.seconds,
             // By increasing forecast of the relative error (root mean square) after that time, with one radius for each map.
             "candidates": candidates.map(|candidate| json!({
@@ -268,6 +270,9 @@ mod tests {
         assert!(chosen.settings.errors && chosen.settings.bandwidth == Bandwidth::Shared);
         assert!(chosen.with_passes(9).ends_with("--target-error 0.2 --share 0.5"), "{}", chosen.with_passes(9));
         assert!(chosen.choice.is_some() && chosen.passes().is_none());
+        // A preset with a time has its radii adapted to the time: there are no options that make the same passes.
+        let (adapted, _) = made(&["--preset", "preview", "--time", "1"], false);
+        assert!(adapted.choice.is_none() && !adapted.is_told());
         assert!(chosen.table().contains("in place of --target-error:"), "{}", chosen.table());
     }
 

@@ -58,7 +58,7 @@ struct Measured {
 impl Measured {
     /// Small pictures do not fill a GPU: from the time that the whole picture takes for camera paths follow the others.
     fn rescale(&mut self, look: f64) {
-        let part = (look / self.look).clamp(0.0, 1.0);
+        let part = if self.look > 0.0 { (look / self.look).clamp(0.0, 1.0) } else { 1.0 };
         self.trials.iter_mut().for_each(|trial| trial.seconds *= part);
         self.gathering.iter_mut().for_each(|seconds| *seconds *= part);
         self.look *= part;

@@ -129,7 +129,7 @@ impl ChosenSettings {
     /// What they were chosen for, in words.
     fn aim(&self) -> &'static str {
         match self.purpose {
-            Some(Purpose::Preset(_)) => "the time of the preset",
+            Some(Purpose::Preset(_)) => "the preset",
             Some(Purpose::Target(_)) => "the target",
             Some(Purpose::Time(_)) | None => "the time",
         }
@@ -148,8 +148,8 @@ impl ChosenSettings {
         let gathered = forecast("--indirect gather".to_owned(), &|each| each.gather_rays.is_some());
         let errors: Vec<String> = Area::ALL.into_iter().filter_map(by_area).chain(gathered).collect();
         let seconds = match self.purpose {
-            Some(Purpose::Time(_)) | None => String::new(),
-            Some(_) => format!(" of {} s", short(self.seconds)),
+            Some(Purpose::Preset(_)) => format!(", about {} s", short(self.seconds)),
+            _ => String::new(),
         };
         let (aim, options, errors) = (self.aim(), self.options(), errors.join(", "));
         Some(format!("chosen for {aim}{seconds}: {options} (forecast of the error: {errors})"))
@@ -253,7 +253,7 @@ mod tests {
             let (chosen, film) = made(&preset, false);
             assert!(chosen.choice.is_some() && chosen.passes().is_some() && chosen.is_told());
             let line = chosen.line().unwrap();
-            assert!(line.starts_with("chosen for the time of the preset of "), "{line}");
+            assert!(line.starts_with("chosen for the preset, about "), "{line}");
             let options = chosen.with_passes(2);
             let (fixed, again) = made(&options.split(' ').collect::<Vec<_>>(), false);
             assert!(fixed.choice.is_none() && !fixed.is_told() && fixed.passes().is_none());

@@ -168,7 +168,7 @@ impl ChosenSettings {
         let passes = self.passes().unwrap_or(fit.round() as u32);
         let mut text = format!("\nchosen by trials of {:.1} s, in place of {option}:\n", self.trials);
         let _ = writeln!(text, "  {}", self.with_passes(passes));
-        if self.purpose.is_some_and(|purpose| !matches!(purpose, Purpose::Time(_))) {
+        if self.passes().is_some() {
             let _ = writeln!(text, "expected time: {} s, {passes} passes", short(self.seconds));
         }
         if choice.bandwidth == Bandwidth::PerPixel {

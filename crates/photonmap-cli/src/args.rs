@@ -108,9 +108,10 @@ pub struct RenderArgs {
     pub explain: bool,
 }
 
-/// Show what a scene requires with these settings, what is left out and why; with `--time`, also which settings are chosen for it.
+/// Show what a scene requires with these settings, what is left out and why; with `--time`, `--preset` or `--target-error`, also which
+/// settings are chosen.
 ///
-/// No picture is made. Settings for a time are chosen by trials in the scene, on the machine's backend.
+/// No picture is made. Settings are chosen by trials in the scene, on the machine's backend.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "explain")]
 pub struct ExplainArgs {
@@ -120,7 +121,7 @@ pub struct ExplainArgs {
     /// Render settings.
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// Where trials for `--time` are run.
+    /// Where trials are run.
     #[command(flatten)]
     pub machine: MachineArgs,
 }
@@ -215,7 +216,8 @@ impl SettingsArgs {
         }
         let derived = self.estimate.radius.is_none()
             && matches!(self.estimate.estimator, Estimator::Radius { .. })
-            && self.light.irradiance_every.is_none();
+            && self.light.irradiance_every.is_none()
+            && self.light.indirect.is_none_or(|indirect| indirect == Indirect::Map);
         match (preset, target_error, time) {
             _ if !derived || passes.is_some() || total_photons.is_some() => None,
             (None, Some(target), _) => Some(Purpose::Target(target)),

@@ -41,8 +41,8 @@ pub struct Candidate {
 pub enum Goal {
     /// The least error after so many seconds of passes.
     Time(f64),
-    /// The least error after the time that so many passes with the present settings and one radius for each map are expected
-    /// to take.
+    /// The least error after the time that so many passes with the present settings are expected to take, without the seconds
+    /// that radii per pixel add; with final gathering, passes with one ray.
     Passes(u32),
     /// The least time until an error is expected, or the least error if that takes longer than allowed.
     Error {

@@ -106,7 +106,8 @@ pub struct BudgetArgs {
     /// precedence.
     ///
     /// For `balanced` and `final`, trials in the scene choose what has the least error in the time that the preset's own passes
-    /// would take, unless --passes, --time, a target, a film or several devices are given.
+    /// would take, and fix the number of passes. Nothing is chosen with --passes, --total-photons, --time, --target-error,
+    /// --film, --grain, several devices, another --estimator, --radius, --irradiance-every or --indirect gather.
     #[arg(long, value_parser = choice::<Preset>(Preset::ALL.map(Preset::name)))]
     pub preset: Option<Preset>,
     /// Number of passes, or a range such as 64..128 [default: 32, that of the preset, or as many as --time allows].
@@ -126,8 +127,9 @@ pub struct BudgetArgs {
     /// Stop at this relative error, such as 0.05.
     ///
     /// The error is an estimated bound for each pixel, relative to its radiance, or to a tenth of the picture's mean
-    /// where the pixel is darker. --passes and --time are then upper limits. Without --passes, --area and --radius-factor are
-    /// chosen by trials.
+    /// where the pixel is darker. --passes and --time are then upper limits. Unless --passes, --preset
+    /// or what excludes trials for a preset is given, there are at most four --photons per pixel, and --area and
+    /// --radius-factor are chosen by trials.
     #[arg(long, value_name = "E")]
     pub target_error: Option<f64>,
     /// Fraction of the pixels with an error estimate that must reach --target-error.
@@ -146,7 +148,7 @@ pub struct BudgetArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Photons")]
 pub struct PhotonArgs {
-    /// Photon paths emitted per pass; the suffixes `k` and `M` are accepted [default: 200k, or that of --preset or --time].
+    /// Photon paths emitted per pass; the suffixes `k` and `M` are accepted [default: 200k, or that of --preset, --time or --target-error].
     #[arg(long, value_name = "N", value_parser = count)]
     pub photons: Option<u32>,
     /// Paths per pass aimed at mirrors and glass by a projection map, for caustics: a number, `auto`, or `shared` for
@@ -198,7 +200,7 @@ pub struct EstimateArgs {
     #[arg(long, value_name = "NAME", value_parser = str::parse::<Kernel>, hide_short_help = true)]
     pub kernel: Option<Kernel>,
     /// Area that the flux is divided by: the disc around the point, or the part of it that lies on the surface, which
-    /// removes dark edges [default: disc, or that of --preset or --time].
+    /// removes dark edges [default: disc, or that of --preset, --time or --target-error].
     #[arg(long, value_parser = choice::<Area>(Area::ALL.map(Area::name)), hide_short_help = true)]
     pub area: Option<Area>,
     /// One radius for each photon map, or one for each pixel from its own noise and bias, which also estimates errors

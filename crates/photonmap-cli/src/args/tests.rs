@@ -137,7 +137,13 @@ fn what_is_left_open_is_chosen_for_times_presets_and_targets() {
         // A number of passes means these passes.
         assert_eq!(purpose(&[arguments, &["--passes", "7"]].concat()), None, "{arguments:?}");
     }
-    for fixed in [["--radius", "0.1"], ["--estimator", "knn"], ["--irradiance-every", "4"], ["--total-photons", "1M"]] {
+    for fixed in [
+        ["--radius", "0.1"],
+        ["--estimator", "knn"],
+        ["--irradiance-every", "4"],
+        ["--total-photons", "1M"],
+        ["--indirect", "gather"],
+    ] {
         assert_eq!(purpose(&[&["--preset", "final"][..], &fixed].concat()), None, "{fixed:?}");
     }
 }

@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use photon_core::{Area, Bandwidth, Candidate, Choice, Pipeline, Render as _, Settings, TransportBackend, View};
+use photon_core::{
+    Area, Bandwidth, Candidate, Choice, Indirect, Pipeline, Render as _, Settings, TransportBackend, View,
+};
 use photon_scene::Scene;
 use serde_json::{Value, json};
 
@@ -24,10 +26,10 @@ pub struct ChosenSettings {
     pub settings: Settings,
     /// What they were chosen for; `None` if all were fixed.
     purpose: Option<Purpose>,
+    /// The passes for a preset.
+    passes: Option<u32>,
     /// [`SettingsArgs::is_timed`].
     is_timed: bool,
-    /// The `--share` of a target.
-    share: f64,
     /// Paths of a pass that are not aimed.
     photons: u32,
     /// Whether paths, areas, the factor on radii and the kind of radii were given as options.
@@ -58,6 +60,7 @@ impl ChosenSettings {
         let (on, settings) = photon_share::choose(on, args, scene, settings)?;
         let trials = trying.elapsed();
         let settings = timed::beginning(args, settings, purpose);
+        let own = chosen_parts(&settings);
         let renderer = Pipeline::new(on, &scene.view(), view, settings.clone())?;
         let seconds = args.budget.time.map_or(0.0, |time| (time - begun.elapsed().as_secs_f64()).max(0.0));
         let trying = Instant::now();
@@ -76,14 +79,19 @@ impl ChosenSettings {
         ];
         let seconds = choice.as_ref().map_or(seconds, |choice| choice.seconds);
         let trials = trials.as_secs_f64();
-        let (is_timed, share) = (args.is_timed(), args.budget.share);
-        Ok((renderer, Self { settings, purpose, is_timed, share, photons, given, choice, seconds, trials }))
+        let passes = match (purpose, &choice) {
+            // Forecasts of the time are rounded.
+            (Some(Purpose::Preset(preset)), Some(_)) if chosen_parts(&settings) == own => Some(preset.passes()),
+            (Some(Purpose::Preset(_)), Some(choice)) => choice.chosen().map(|chosen| passes_in(choice.seconds, chosen)),
+            _ => None,
+        };
+        let is_timed = args.is_timed();
+        Ok((renderer, Self { settings, purpose, passes, is_timed, photons, given, choice, seconds, trials }))
     }
 
     /// The passes for a preset: as many as are expected to take the time of its own ones.
     pub(super) fn passes(&self) -> Option<u32> {
-        let choice = self.choice.as_ref().filter(|_| matches!(self.purpose, Some(Purpose::Preset(_))))?;
-        choice.chosen().map(|chosen| (choice.seconds / chosen.seconds.max(1e-9)).round().clamp(1.0, MOST_PASSES) as u32)
+        self.passes
     }
 
     /// Whether it belongs in reports: settings were chosen, or fixed for a time.
@@ -119,7 +127,7 @@ impl ChosenSettings {
     pub fn with_passes(&self, passes: u32) -> String {
         let end = match self.purpose {
             Some(Purpose::Target(target)) if self.settings.bandwidth == Bandwidth::Shared => {
-                format!("--target-error {target} --share {}", self.share)
+                format!("--target-error {target}")
             }
             _ => format!("--passes {passes}"),
         };
@@ -148,10 +156,15 @@ impl ChosenSettings {
         let gathered = forecast("--indirect gather".to_owned(), &|each| each.gather_rays.is_some());
         let errors: Vec<String> = Area::ALL.into_iter().filter_map(by_area).chain(gathered).collect();
         let seconds = match self.purpose {
-            Some(Purpose::Preset(_)) => format!(", about {} s", short(self.seconds)),
+            // What error estimates take is not known.
+            Some(Purpose::Preset(_)) if !self.settings.errors => format!(", about {} s", short(self.seconds)),
             _ => String::new(),
         };
-        let (aim, options, errors) = (self.aim(), self.options(), errors.join(", "));
+        let options = match self.purpose {
+            Some(Purpose::Time(_)) | None => self.options(),
+            Some(_) => self.with_passes(self.passes.unwrap_or_default()),
+        };
+        let (aim, errors) = (self.aim(), errors.join(", "));
         Some(format!("chosen for {aim}{seconds}: {options} (forecast of the error: {errors})"))
     }
 
@@ -159,19 +172,22 @@ impl ChosenSettings {
     pub(super) fn table(&self) -> String {
         let option = self.purpose.map_or("--time", Purpose::option);
         let Some(choice) = &self.choice else {
-            let options = self.options();
-            return format!(
-                "\nnothing is chosen by trials; in place of {option}, with a number of passes: {options}\n"
-            );
+            return match self.purpose {
+                Some(Purpose::Preset(_) | Purpose::Target(_)) => "\nnothing is chosen by trials\n".to_owned(),
+                Some(Purpose::Time(_)) | None => {
+                    let options = self.options();
+                    format!("\nnothing is chosen by trials; in place of {option}, with a number of passes: {options}\n")
+                }
+            };
         };
         let fit = choice.chosen().map_or(1.0, |chosen| ((self.seconds - self.trials) / chosen.seconds).max(1.0));
-        let passes = self.passes().unwrap_or(fit.round() as u32);
+        let passes = self.passes.unwrap_or(fit.round() as u32);
         let mut text = format!("\nchosen by trials of {:.1} s, in place of {option}:\n", self.trials);
         let _ = writeln!(text, "  {}", self.with_passes(passes));
-        if self.passes().is_some() {
-            let _ = writeln!(text, "expected time: {} s, {passes} passes", short(self.seconds));
+        if self.passes.is_some() && !self.settings.errors {
+            let _ = writeln!(text, "expected time: {} s", short(self.seconds));
         }
-        if choice.bandwidth == Bandwidth::PerPixel {
+        if choice.bandwidth == Bandwidth::PerPixel && self.is_timed {
             let _ = writeln!(text, "error estimates, and more paths, make passes longer: fewer of them may fit");
         }
         let _ =
@@ -217,6 +233,17 @@ impl ChosenSettings {
     }
 }
 
+/// What may be chosen.
+fn chosen_parts(settings: &Settings) -> (u32, Area, f64, Bandwidth, Indirect, u32) {
+    let Settings { photons, area, radius_factor, bandwidth, indirect, gather_rays, .. } = *settings;
+    (photons, area, radius_factor, bandwidth, indirect, gather_rays)
+}
+
+/// The passes of a candidate in a time.
+fn passes_in(seconds: f64, candidate: &Candidate) -> u32 {
+    (seconds / candidate.seconds.max(1e-9)).round().clamp(1.0, MOST_PASSES) as u32
+}
+
 /// Seconds with two or three digits.
 fn short(seconds: f64) -> String {
     if seconds < 10.0 { format!("{seconds:.1}") } else { format!("{seconds:.0}") }
@@ -226,7 +253,7 @@ fn short(seconds: f64) -> String {
 mod tests {
     use backend_cpu::Cpu;
     use clap::Parser as _;
-    use photon_core::Film;
+    use photon_core::{Film, Preset};
 
     use super::*;
     use crate::args::RenderArgs;
@@ -253,7 +280,14 @@ mod tests {
             let (chosen, film) = made(&preset, false);
             assert!(chosen.choice.is_some() && chosen.passes().is_some() && chosen.is_told());
             let line = chosen.line().unwrap();
-            assert!(line.starts_with("chosen for the preset, about "), "{line}");
+            assert!(line.starts_with("chosen for the preset") && line.contains(" --passes "), "{line}");
+            let own = Settings::preset(if preset[1] == "final" { Preset::Final } else { Preset::Balanced }, 400);
+            if chosen_parts(&chosen.settings)
+                == chosen_parts(&Settings { gather_rays: chosen.settings.gather_rays, ..own })
+            {
+                let passes = if preset[1] == "final" { Preset::Final.passes() } else { Preset::Balanced.passes() };
+                assert_eq!(chosen.passes(), Some(passes), "the preset's own settings have its own passes");
+            }
             let options = chosen.with_passes(2);
             let (fixed, again) = made(&options.split(' ').collect::<Vec<_>>(), false);
             assert!(fixed.choice.is_none() && !fixed.is_told() && fixed.passes().is_none());
@@ -268,7 +302,7 @@ mod tests {
     fn targets_remain() {
         let (chosen, _) = made(&["--target-error", "0.2", "--share", "0.5", "--photons", "3000"], false);
         assert!(chosen.settings.errors && chosen.settings.bandwidth == Bandwidth::Shared);
-        assert!(chosen.with_passes(9).ends_with("--target-error 0.2 --share 0.5"), "{}", chosen.with_passes(9));
+        assert!(chosen.with_passes(9).ends_with("--target-error 0.2"), "{}", chosen.with_passes(9));
         assert!(chosen.choice.is_some() && chosen.passes().is_none());
         // A preset with a time has its radii adapted to the time: there are no options that make the same passes.
         let (adapted, _) = made(&["--preset", "preview", "--time", "1"], false);
@@ -280,7 +314,7 @@ mod tests {
     #[test]
     fn blocks_have_the_settings_of_the_preset() {
         let (chosen, _) = made(&["--preset", "balanced"], true);
-        let preset = Settings::preset(photon_core::Preset::Balanced, 400);
+        let preset = Settings::preset(Preset::Balanced, 400);
         assert!(chosen.choice.is_none() && !chosen.is_told());
         assert_eq!((chosen.settings.photons, chosen.settings.area), (preset.photons, preset.area));
     }

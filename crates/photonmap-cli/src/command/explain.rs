@@ -14,11 +14,11 @@ use crate::fault::Fault;
 use crate::{load, memory, stdout};
 
 /// Prints what the scene requires with these settings, what is left out, how photons are distributed over lights, and what is
-/// chosen for a time, a preset or a target if it is given.
+/// chosen for a time, a preset or a target if it is given. Settings of renders in blocks and on several devices are fixed.
 ///
 /// # Errors
 /// As [`load::scene_within`], and invalid settings; if something is chosen also those of rendering.
-pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
+pub fn run(args: &ExplainArgs, in_blocks: bool) -> Result<(), Fault> {
     let mut settings = args.settings.settings()?;
     let begun = Instant::now();
     let size = args.settings.picture.size;
@@ -27,7 +27,8 @@ pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
     // A camera that does not exist is an error here too.
     let view = args.settings.picture.view(&scene)?;
     let mut choice = String::new();
-    if args.settings.is_timed() || args.settings.purpose().is_some() {
+    let is_open = args.settings.purpose().is_some() && !in_blocks && !args.machine.several();
+    if args.settings.is_timed() || is_open {
         let chosen = trials((args, begun), &scene, view, settings)?;
         choice = chosen.table();
         settings = chosen.settings;
@@ -70,7 +71,7 @@ fn trials(
     settings: Settings,
 ) -> Result<ChosenSettings, Fault> {
     if args.machine.several() {
-        return Err(Fault::input("--device: settings are chosen on a single device; give one"));
+        return Err(Fault::input("--device: settings for a time are chosen on a single device; give one"));
     }
     let size = args.settings.picture.size;
     let (opened, _) = render::open(&args.machine)?;

@@ -30,7 +30,8 @@ const MUCH_LESS: f64 = 0.5;
 /// error that was measured.
 const MUCH_LESS_PER_PIXEL: f64 = 0.25;
 
-/// Whether final gathering could be better than what was chosen, and whether finding out takes a small part of the time: `setup` is that of a pipeline, and `trials` are the seconds that the present choice took.
+/// Whether final gathering could be better than what was chosen, and whether finding out takes a small part of the time:
+/// `setup` is that of a pipeline, and `trials` are the seconds that the present choice took.
 pub(super) fn is_worth_trying(
     args: &SettingsArgs,
     settings: &Settings,
@@ -87,7 +88,7 @@ pub(super) fn choose<B: TransportBackend>(
             Ok((renderer, chosen, Some(other)))
         }
         other => {
-            let (chosen, _) = timed::with_choice(args, settings, &choice, (photons, view));
+            let (chosen, _) = timed::with_choice(args, settings, &choice, (photons, view, deadline.left()));
             let renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, chosen.clone())?;
             add(&mut choice.candidates, other.map_or_else(Vec::new, |other| other.candidates));
             Ok((renderer, chosen, Some(choice)))
@@ -129,7 +130,7 @@ mod tests {
             let open = Open { photons: false, area: true, radius_factor: true, bandwidth: false, gather_rays: false };
             let mut choice = renderer.choose(&scene.view(), Goal::Time(5.0), open).unwrap().unwrap();
             choice.candidates.iter_mut().for_each(|candidate| candidate.error = error_of_maps);
-            let deadline = Deadline { since: Instant::now(), seconds: 5.0 };
+            let deadline = Deadline { since: Some(Instant::now()), seconds: 5.0 };
             let (by_map, area) = (choice.candidates.len(), choice.area);
             let (mut renderer, chosen, compared) =
                 choose(renderer, (&args, deadline), (&scene, view), settings.clone(), choice).unwrap();

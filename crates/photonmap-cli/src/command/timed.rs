@@ -12,16 +12,18 @@ use crate::args::{Purpose, SettingsArgs};
 use crate::command::gathering;
 use crate::fault::Fault;
 
-/// A time that trials and passes have together.
+/// The time for passes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deadline {
-    pub(super) since: Instant,
+    /// Since when trials take time from it; `None` if they come on top.
+    pub(super) since: Option<Instant>,
     pub(super) seconds: f64,
 }
 
 impl Deadline {
     pub(super) fn left(&self) -> f64 {
-        (self.seconds - self.since.elapsed().as_secs_f64()).max(0.0)
+        let taken = self.since.map_or(0.0, |since| since.elapsed().as_secs_f64());
+        (self.seconds - taken).max(0.0)
     }
 }
 
@@ -79,14 +81,15 @@ pub(super) fn choose<B: TransportBackend>(
     (scene, view): (&Scene, View),
     settings: Settings,
 ) -> Result<(Pipeline<B>, Settings, Option<Choice>), Fault> {
-    let (given, is_target) = (&args.estimate, matches!(purpose, Purpose::Target(_)));
+    let given = &args.estimate;
+    let (is_time, is_target) = (matches!(purpose, Purpose::Time(_)), matches!(purpose, Purpose::Target(_)));
     let open = Open {
         // With a target, fewer paths would leave more pixels without an error estimate.
         photons: args.photon.photons.is_none() && !is_target,
         area: given.area.is_none(),
         radius_factor: given.radius_factor.is_none(),
-        // Radii that pixels share are adapted to a target after the first passes.
-        bandwidth: given.bandwidth.is_none() && !is_target,
+        // Radii that pixels share are adapted to a target after the first passes, and a preset has its own kind of radii.
+        bandwidth: given.bandwidth.is_none() && is_time,
         gather_rays: false,
     };
     let since = Instant::now();
@@ -94,24 +97,24 @@ pub(super) fn choose<B: TransportBackend>(
     let goal = goal(purpose, time);
     let Some(choice) = renderer.choose(&scene.view(), goal, open)? else { return Ok((renderer, settings, None)) };
     let trials = since.elapsed().as_secs_f64();
-    // The time of a preset is that of its passes alone.
-    let deadline = Deadline { since: if time.is_finite() { since } else { Instant::now() }, seconds: choice.seconds };
+    let deadline = Deadline { since: is_time.then_some(since), seconds: choice.seconds };
     if gathering::is_worth_trying(args, &settings, &choice, (&renderer.facts().setup, trials)) {
         return gathering::choose(renderer, (args, deadline), (scene, view), settings, choice);
     }
-    let (wanted, is_new) = with_choice(args, settings, &choice, (renderer.facts().photons, view));
+    let (wanted, is_new) = with_choice(args, settings, &choice, (renderer.facts().photons, view, choice.seconds));
     if is_new {
         renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, wanted.clone())?;
     }
     Ok((renderer, wanted, Some(choice)))
 }
 
-/// The settings with what was chosen by a renderer with so many `photons`, and whether another one is needed.
+/// The settings with what was chosen by a renderer with so many `photons`, and whether another one is needed; `seconds` are left
+/// for passes.
 pub(super) fn with_choice(
     args: &SettingsArgs,
     settings: Settings,
     choice: &Choice,
-    (photons, view): (u32, View),
+    (photons, view, seconds): (u32, View, f64),
 ) -> (Settings, bool) {
     let errors = settings.errors || choice.bandwidth == Bandwidth::PerPixel;
     let radius_factor = settings.radius_factor * choice.radius_factor;
@@ -119,7 +122,7 @@ pub(super) fn with_choice(
     let mut is_new = false;
     if args.photon.photons.is_none() {
         let pixels = view.width.saturating_mul(view.height);
-        let more = more_paths(choice, photons, pixels);
+        let more = if args.is_timed() { more_paths(choice, photons, pixels, seconds) } else { None };
         let chosen = more.map_or(choice.photons, |more| more.max(choice.photons));
         is_new = chosen != photons;
         if is_new {
@@ -135,11 +138,11 @@ const MANY_PASSES: f64 = 200.0;
 /// The number of paths per pass if more are better: where radii are those of each pixel, the squared error by photons falls about
 /// as (total paths)^(−2/3), and other noise is small after many passes. On a GPU a pass takes hardly longer with several times
 /// as many. At most two per pixel; `None` if that is less than 1.5 times those of now.
-fn more_paths(choice: &Choice, photons: u32, pixels: u32) -> Option<u32> {
+fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
     let of_area = |each: &&Candidate| each.area == choice.area && each.photons == photons;
     let best = choice.candidates.iter().find(of_area)?;
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
-    if choice.bandwidth == Bandwidth::PerPixel { increased(photons, pixels, parts, choice.seconds) } else { None }
+    if choice.bandwidth == Bandwidth::PerPixel { increased(photons, pixels, parts, seconds) } else { None }
 }
 
 fn increased(photons: u32, pixels: u32, parts: [f64; 2], seconds: f64) -> Option<u32> {

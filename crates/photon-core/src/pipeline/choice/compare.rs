@@ -141,9 +141,13 @@ impl<B: TransportBackend> Pipeline<B> {
         let (rays, timed_part): (&[u32], f64) =
             if open.gather_rays { (&TRIED_RAYS, TIMED_PART_OF_RAYS) } else { (&[], TIMED_PART) };
         let mut measured = self.measure(scene, rays, &settings)?;
-        measured.rescale(self.time_look()?);
         let mut comparison = self.comparison(&measured, areas, open);
         let mut seconds = comparison.seconds(goal);
+        if measured.look < TIMED_PART * seconds {
+            measured.rescale(self.time_look()?);
+            comparison = self.comparison(&measured, areas, open);
+            seconds = comparison.seconds(goal);
+        }
         let all = measured.trials.iter().map(|trial| trial.seconds).chain(measured.gathering.iter().copied());
         if measured.photons[1] + all.sum::<f64>() < timed_part * seconds {
             let timed = self.time_whole(rays, &settings)?;

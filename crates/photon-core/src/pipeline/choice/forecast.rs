@@ -42,7 +42,7 @@ impl Curve {
 }
 
 /// Steps after which the number of passes in a time hardly changes.
-const STEPS: usize = 4;
+const STEPS: usize = 8;
 
 /// The largest squared relative bias of a pixel that counts.
 const MAX_BIAS_SQUARED: f64 = 1.0;
@@ -129,7 +129,7 @@ impl Model {
     /// With `more` times the paths and a factor on radii that are derived from their density: seconds of a pass, the squared
     /// relative error after `seconds`, and the part of that error that is not by photons.
     pub(super) fn forecast(&self, more: f64, factor: f64, seconds: f64) -> [f64; 3] {
-        let count = |pass: f64| (seconds / pass.max(f64::MIN_POSITIVE)).clamp(1.0, 1e9) as u32;
+        let count = |pass: f64| (seconds / pass.max(f64::MIN_POSITIVE)).round().clamp(1.0, 1e9) as u32;
         // Radii shrink: bias is proportional to the mean of their squares, variance to that of their reciprocals.
         let wide = |passes: u32| radius_squared_sum(passes, self.alpha) / f64::from(passes);
         // Passes become faster with it, which makes them more, and their radii smaller: a few steps find their number.

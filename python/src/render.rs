@@ -76,7 +76,8 @@ impl Renderer {
             (None, None, Some(time)) => Budget::Time(time),
             (None, None, None) => return Err(Failure::input("passes, time or target_error is needed").into()),
         };
-        let plan = Plan { most_passes: passes, most_time: time, ..Plan::from(until) };
+        let most_time = time.filter(|_| !matches!(until, Budget::Time(_)));
+        let plan = Plan { most_passes: passes, most_time, ..Plan::from(until) };
         let mut latch = Latch::default();
         let begun = Instant::now();
         let rendered = py.detach(|| {

@@ -12,7 +12,7 @@ const ALL: Open = Open { photons: false, area: true, radius_factor: true, bandwi
 const NONE: Open = Open { photons: false, area: false, radius_factor: false, bandwidth: false, gather_rays: false };
 
 fn scene() -> Scene {
-    photon_scene::builtin("cornell-glass").unwrap().build().unwrap()
+    photon_scene::builtin("textures").unwrap().build().unwrap()
 }
 
 fn settings() -> Settings {

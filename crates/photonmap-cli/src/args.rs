@@ -32,6 +32,9 @@ pub(crate) fn index_names() -> impl TypedValueParser<Value = IndexKind> {
 /// scene, well within a minute on two cores.
 pub const PASSES: u32 = 32;
 
+/// The preset for a first look has fewer passes if they would take longer than this from the start of the program.
+const QUICK_LOOK: Duration = Duration::from_secs(2);
+
 /// What settings are chosen for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Purpose {
@@ -246,6 +249,14 @@ impl SettingsArgs {
         })
     }
 
+    /// Maximum time from the start of the program to the picture of a preset whose passes are made by the CPU.
+    #[must_use]
+    pub fn quick_look(&self) -> Option<Duration> {
+        let BudgetArgs { preset, target_error, time, passes, total_photons, .. } = self.budget;
+        let alone = target_error.is_none() && time.is_none() && passes.is_none() && total_photons.is_none();
+        (alone && preset == Some(Preset::Preview)).then_some(QUICK_LOOK)
+    }
+
     /// The stopping criteria; `time` is what remains of `--time`.
     #[must_use]
     pub fn plan(&self, time: Option<Duration>) -> Plan {
@@ -260,7 +271,8 @@ impl SettingsArgs {
             }
         };
         let first = budget.passes.map_or(0, |passes| passes.first);
-        Plan { first, until, most_passes: passes, most_time: time }
+        let most_time = time.filter(|_| !matches!(until, Budget::Time(_)));
+        Plan { first, until, most_passes: passes, most_time }
     }
 }
 

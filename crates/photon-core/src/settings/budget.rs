@@ -48,7 +48,7 @@ pub struct Plan {
     pub until: Budget,
     /// Maximum number of passes, ≥ 1.
     pub most_passes: Option<u32>,
-    /// Maximum duration, as for [`Budget::Time`].
+    /// Maximum duration: no pass begins that is expected to end later. The first pass always runs.
     pub most_time: Option<Duration>,
 }
 

@@ -27,11 +27,11 @@ impl Preset {
     }
 
     /// Photon paths per pass for each pixel. The other rays of a pixel cost as much as one or two paths,
-    /// and their noise decreases only with the number of passes.
+    /// and their noise decreases only with the number of passes: in few passes it outweighs that of photons.
     #[must_use]
     pub fn photons_per_pixel(self) -> f64 {
         match self {
-            Self::Preview => 1.0,
+            Self::Preview => 0.25,
             Self::Balanced | Self::Final => 2.0,
         }
     }

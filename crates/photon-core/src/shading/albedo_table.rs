@@ -8,6 +8,7 @@ use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
 
+use crate::parallel;
 use crate::shading::ggx;
 
 /// Directional albedos A and B of single scattering, and their means over the hemisphere.
@@ -30,7 +31,7 @@ impl AlbedoTable {
     /// Entries along each axis.
     pub const SIZE: usize = 32;
 
-    /// The table, computed at first use: some 50 milliseconds.
+    /// The table, computed at first use by all cores: some 50 milliseconds of processor time.
     #[must_use]
     pub fn get() -> &'static Self {
         &TABLE
@@ -68,12 +69,10 @@ impl AlbedoTable {
 }
 
 /// The entries of a table of two albedos, in the order of [`AlbedoTable::entries`], from the function of α and the cosine
-/// that it tabulates.
-pub(crate) fn tabulate(albedos_of: impl Fn(f32, f32) -> [f64; 2]) -> Vec<[f32; 2]> {
+/// that it tabulates. The rows are shared by all cores.
+pub(crate) fn tabulate(albedos_of: impl Fn(f32, f32) -> [f64; 2] + Sync) -> Vec<[f32; 2]> {
     let last = (SIZE - 1) as f64;
-    let mut entries = Vec::with_capacity(SIZE * (SIZE + 1));
-    let mut means = Vec::with_capacity(SIZE);
-    for row in 0..SIZE {
+    let rows = parallel::map(parallel::threads(), 0..SIZE, |_, row| {
         let roughness = row as f64 / last;
         let alpha = (roughness * roughness).max(f64::from(ggx::MIN_ALPHA)) as f32;
         let albedos: Vec<[f64; 2]> = (0..SIZE)
@@ -91,11 +90,11 @@ pub(crate) fn tabulate(albedos_of: impl Fn(f32, f32) -> [f64; 2]) -> Vec<[f32; 2
                 mean[c] += linear_times_cube(x0, x1, pair[0][c], pair[1][c]) * 4.0;
             }
         }
-        means.push(mean.map(|value| value as f32));
-        entries.extend(albedos.iter().map(|pair| pair.map(|value| value as f32)));
-    }
-    entries.extend(means);
-    entries
+        (albedos, mean)
+    });
+    let single = |pair: &[f64; 2]| pair.map(|value| value as f32);
+    let means: Vec<[f32; 2]> = rows.iter().map(|(_, mean)| single(mean)).collect();
+    rows.iter().flat_map(|(albedos, _)| albedos).map(single).chain(means).collect()
 }
 
 /// A table of two albedos between two rows.

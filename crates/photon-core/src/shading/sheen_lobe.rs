@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
+use crate::parallel;
 use crate::shading::math::{cube_root, exp_neg, ln};
 
 /// The least roughness; lower ones are rendered as this.
@@ -98,7 +99,7 @@ impl SheenTable {
     /// Entries along each axis.
     pub const SIZE: usize = 64;
 
-    /// The table, computed at first use: some 200 milliseconds.
+    /// The table, computed at first use by all cores: some 200 milliseconds of processor time.
     #[must_use]
     pub fn get() -> &'static Self {
         &TABLE
@@ -131,17 +132,17 @@ impl SheenTable {
 
     fn compute() -> Self {
         let last = (Self::SIZE - 1) as f64;
-        let mut entries = Vec::with_capacity(Self::SIZE * Self::SIZE);
-        for row in 0..Self::SIZE {
+        let rows = parallel::map(parallel::threads(), 0..Self::SIZE, |_, row| {
             let root = row as f64 / last;
             let least = f64::from(MIN_ROUGHNESS);
             let quadrature = Quadrature::new(least + (1.0 - least) * root * root);
-            for column in 0..Self::SIZE {
+            let albedo = |column: usize| {
                 let root = column as f64 / last;
-                entries.push(quadrature.albedo((root * root * root).max(f64::from(MIN_COSINE))) as f32);
-            }
-        }
-        Self { entries }
+                quadrature.albedo((root * root * root).max(f64::from(MIN_COSINE))) as f32
+            };
+            std::array::from_fn::<f32, { Self::SIZE }, _>(albedo)
+        });
+        Self { entries: rows.into_iter().flatten().collect() }
     }
 }
 

@@ -118,6 +118,21 @@ fn a_time_is_spent_as_was_measured_to_be_best() {
     }
 }
 
+/// A first look has a limit on time, unless passes or another end are given, and never more passes than its own.
+#[test]
+fn a_first_look_is_quick() {
+    let args = |arguments: &[&str]| args(&[&["--preset", "preview"], arguments].concat()).unwrap().settings;
+    assert_eq!(args(&["--photons", "9k"]).quick_look(), Some(Duration::from_secs(2)));
+    for end in [["--passes", "4"], ["--time", "9"], ["--total-photons", "1M"], ["--target-error", "0.1"]] {
+        assert_eq!(args(&end).quick_look(), None, "{end:?}");
+    }
+    assert_eq!(args(&[]).plan(None), Plan::from(Budget::Passes(Preset::Preview.passes())));
+    // A limit besides another end is a maximum; a time alone is met as nearly as possible.
+    let (time, second) = (Some(Duration::from_secs(9)), Plan::from(Budget::Time(Duration::from_secs(9))));
+    assert_eq!(args(&["--time", "9"]).plan(time), second);
+    assert_eq!(args(&["--time", "9", "--target-error", "0.1"]).plan(time).most_time, time);
+}
+
 #[test]
 fn what_is_left_open_is_chosen_for_times_presets_and_targets() {
     let purpose = |arguments: &[&str]| args(arguments).unwrap().settings.purpose();

@@ -31,6 +31,10 @@ pub(super) fn run(
     let limit = args.settings.budget.time.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX));
     let time = limit.map(|time| time.saturating_sub(started.elapsed() + writing(args)));
     let mut plan = args.settings.plan(time);
+    // A GPU makes these few passes in less time than it takes to compile a kernel, which may happen in any of them.
+    if let Some(limit) = args.settings.quick_look().filter(|_| renderer.facts().backend == "cpu") {
+        plan.most_time = Some(limit.saturating_sub(started.elapsed() + writing(args)));
+    }
     plan.until = chosen.map_or(plan.until, Budget::Passes);
     // The same total number of photons, if the memory limit makes passes smaller.
     let each = renderer.facts().photons;

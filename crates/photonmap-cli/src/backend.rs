@@ -57,6 +57,12 @@ impl Opened {
         }
     }
 
+    /// Without a report.
+    #[must_use]
+    pub fn silent(self) -> Chosen {
+        self.chosen
+    }
+
     /// Reports on standard error which one was chosen.
     #[must_use]
     pub fn report(self) -> Chosen {

@@ -10,8 +10,8 @@ use photon_scene::Scene;
 use serde_json::{Value, json};
 
 use crate::args::{Purpose, SettingsArgs};
+use crate::command::choice_error::ChoiceError;
 use crate::command::{photon_share, timed};
-use crate::fault::Fault;
 
 /// A preset has no more passes.
 const MOST_PASSES: f64 = 1e6;
@@ -44,7 +44,7 @@ pub struct ChosenSettings {
 
 impl ChosenSettings {
     /// Makes the renderer, and chooses what the options leave to the program; the time of `--time` began at `begun`. Settings
-    /// of blocks of passes are fixed.
+    /// of blocks of passes are fixed. Final gathering is tried only if it `may_gather`.
     ///
     /// # Errors
     /// Those of rendering.
@@ -53,8 +53,8 @@ impl ChosenSettings {
         (args, begun): (&SettingsArgs, Instant),
         (scene, view): (&Scene, View),
         settings: Settings,
-        in_blocks: bool,
-    ) -> Result<(Pipeline<B>, Self), Fault> {
+        (in_blocks, may_gather): (bool, bool),
+    ) -> Result<(Pipeline<B>, Self), ChoiceError> {
         let purpose = args.purpose().filter(|_| !in_blocks);
         let trying = Instant::now();
         let (on, settings) = photon_share::choose(on, args, scene, settings)?;
@@ -65,7 +65,7 @@ impl ChosenSettings {
         let seconds = args.budget.time.map_or(0.0, |time| (time - begun.elapsed().as_secs_f64()).max(0.0));
         let trying = Instant::now();
         let (renderer, settings, choice) = match purpose {
-            Some(purpose) => timed::choose(renderer, (args, purpose, begun), (scene, view), settings)?,
+            Some(purpose) => timed::choose(renderer, (args, purpose, begun), (scene, view), settings, may_gather)?,
             None => (renderer, settings, None),
         };
         let trials = trials + trying.elapsed();
@@ -266,7 +266,7 @@ mod tests {
         let on = Cpu::with_threads(1).unwrap();
         let (settings, begun) = (args.settings().unwrap(), Instant::now());
         let (mut renderer, chosen) =
-            ChosenSettings::pipeline(on, (&args, begun), (&scene, view), settings, in_blocks).unwrap();
+            ChosenSettings::pipeline(on, (&args, begun), (&scene, view), settings, (in_blocks, true)).unwrap();
         (0..2).for_each(|pass| {
             renderer.pass(pass, &mut ()).unwrap();
         });

@@ -8,6 +8,7 @@ use photon_scene::Scene;
 
 use crate::args::ExplainArgs;
 use crate::backend::Chosen;
+use crate::command::choice_error::{ChoiceError, with_or_without_gathering};
 use crate::command::chosen::ChosenSettings;
 use crate::command::render;
 use crate::fault::Fault;
@@ -74,24 +75,28 @@ fn trials(
         return Err(Fault::input("--device: settings for a time are chosen on a single device; give one"));
     }
     let size = args.settings.picture.size;
-    let (opened, _) = render::open(&args.machine)?;
-    let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, size));
-    let chosen = match opened.report() {
-        Chosen::Cpu(on) => {
-            // It shares the texels, which are resident, with the scene.
-            let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
-            choose(on, (args, begun), (scene, view), Settings { memory, ..settings })
+    let chosen = with_or_without_gathering(|may_gather| {
+        let (opened, _) = render::open(&args.machine)?;
+        let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, size));
+        let within = |memory| Settings { memory, ..settings.clone() };
+        match if may_gather { opened.report() } else { opened.silent() } {
+            Chosen::Cpu(on) => {
+                // It shares the texels, which are resident, with the scene.
+                let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
+                choose(on, (args, begun, may_gather), (scene, view), within(memory))
+            }
+            Chosen::Vulkan(on) => choose(*on, (args, begun, may_gather), (scene, view), within(memory)),
         }
-        Chosen::Vulkan(on) => choose(*on, (args, begun), (scene, view), Settings { memory, ..settings }),
-    };
+    });
     chosen.map_err(|fault| fault.within(args.machine.memory, memory::besides(size)))
 }
 
 fn choose<B: TransportBackend>(
     on: B,
-    (args, begun): (&ExplainArgs, Instant),
+    (args, begun, may_gather): (&ExplainArgs, Instant, bool),
     (scene, view): (&Scene, View),
     settings: Settings,
-) -> Result<ChosenSettings, Fault> {
-    ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), settings, false).map(|(_, chosen)| chosen)
+) -> Result<ChosenSettings, ChoiceError> {
+    let made = ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), settings, (false, may_gather));
+    made.map(|(_, chosen)| chosen)
 }

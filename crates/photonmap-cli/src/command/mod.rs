@@ -1,5 +1,6 @@
 //! The commands of `photonmap`.
 
+mod choice_error;
 pub mod chosen;
 pub mod compare;
 pub mod devices;

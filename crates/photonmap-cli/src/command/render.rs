@@ -11,6 +11,7 @@ use photon_scene::{CompressedTree, LoadReport, Scene};
 
 use crate::args::{MachineArgs, RenderArgs};
 use crate::backend::{self, Chosen, Opened};
+use crate::command::choice_error::{ChoiceError, with_or_without_gathering};
 use crate::command::chosen::ChosenSettings;
 use crate::command::picture::{self, Look, Shown};
 use crate::command::{render_blocks, render_film, render_passes};
@@ -292,18 +293,22 @@ fn start(
         });
     }
     let (opened, device) = opened.map_or_else(|| open(&args.machine), Ok)?;
-    let chosen = opened.report();
     let besides = memory::besides(args.settings.picture.size);
-    // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
-    let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
-    let started = match chosen {
-        Chosen::Cpu(on) => {
-            // It counts the texels, which it shares with the scene: they are resident already.
-            let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
-            chosen_pipeline(on, (args, begun), scene, view, memory, settings)
+    let mut on = Some(opened.report());
+    let started = with_or_without_gathering(|may_gather| {
+        // An error takes the backend with it.
+        let on = on.take().map_or_else(|| open(&args.machine).map(|(opened, _)| opened.silent()), Ok)?;
+        // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
+        let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
+        match on {
+            Chosen::Cpu(on) => {
+                // It counts the texels, which it shares with the scene: they are resident already.
+                let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
+                chosen_pipeline(on, (args, begun, may_gather), scene, view, memory, settings)
+            }
+            Chosen::Vulkan(on) => chosen_pipeline(*on, (args, begun, may_gather), scene, view, memory, settings),
         }
-        Chosen::Vulkan(on) => chosen_pipeline(*on, (args, begun), scene, view, memory, settings),
-    };
+    });
     let (renderer, chosen) = started.map_err(|fault| fault.within(args.machine.memory, besides))?;
     Ok((vec![renderer], Started { device, chosen }))
 }
@@ -311,15 +316,15 @@ fn start(
 /// A renderer, and what was chosen.
 fn chosen_pipeline<B: TransportBackend>(
     on: B,
-    (args, begun): (&RenderArgs, Instant),
+    (args, begun, may_gather): (&RenderArgs, Instant, bool),
     scene: &Scene,
     view: View,
     memory: Option<u64>,
     settings: &mut Settings,
-) -> Result<(Box<dyn Render>, Option<ChosenSettings>), Fault> {
+) -> Result<(Box<dyn Render>, Option<ChosenSettings>), ChoiceError> {
     let within = Settings { memory, ..settings.clone() };
-    let (renderer, chosen) =
-        ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), within, render_blocks::in_blocks(args))?;
+    let may = (render_blocks::in_blocks(args), may_gather);
+    let (renderer, chosen) = ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), within, may)?;
     if let Some(line) = chosen.line() {
         eprintln!("{line}");
     }

@@ -9,8 +9,8 @@ use photon_core::{
 use photon_scene::Scene;
 
 use crate::args::{Purpose, SettingsArgs};
+use crate::command::choice_error::ChoiceError;
 use crate::command::gathering;
-use crate::fault::Fault;
 
 /// The time for passes.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +80,8 @@ pub(super) fn choose<B: TransportBackend>(
     (args, purpose, begun): (&SettingsArgs, Purpose, Instant),
     (scene, view): (&Scene, View),
     settings: Settings,
-) -> Result<(Pipeline<B>, Settings, Option<Choice>), Fault> {
+    may_gather: bool,
+) -> Result<(Pipeline<B>, Settings, Option<Choice>), ChoiceError> {
     let given = &args.estimate;
     let (is_time, is_target) = (matches!(purpose, Purpose::Time(_)), matches!(purpose, Purpose::Target(_)));
     let open = Open {
@@ -98,8 +99,9 @@ pub(super) fn choose<B: TransportBackend>(
     let Some(choice) = renderer.choose(&scene.view(), goal, open)? else { return Ok((renderer, settings, None)) };
     let trials = since.elapsed().as_secs_f64();
     let deadline = Deadline { since: is_time.then_some(since), seconds: choice.seconds };
-    if gathering::is_worth_trying(args, &settings, &choice, (&renderer.facts().setup, trials)) {
-        return gathering::choose(renderer, (args, deadline), (scene, view), settings, choice);
+    if may_gather && gathering::is_worth_trying(args, &settings, &choice, (&renderer.facts().setup, trials)) {
+        let tried = gathering::choose(renderer, (args, deadline), (scene, view), settings, choice);
+        return tried.map_err(ChoiceError::FinalGathering);
     }
     let (wanted, is_new) = with_choice(args, settings, &choice, (renderer.facts().photons, view, choice.seconds));
     if is_new {

@@ -14,6 +14,12 @@ use crate::vulkan::Vulkan;
 const ITEMS: u64 = SORT_ITEMS as u64;
 const DIGITS: u64 = SORT_DIGITS as u64;
 
+/// So many loads after another take no longer than the barriers of a workgroup. Where subgroups are as narrow as those of
+/// software drivers, barriers take much longer.
+const FEW: u64 = 8;
+const NARROW: u32 = 8;
+const FEW_IF_NARROW: u64 = 64;
+
 /// Sorts pairs of a key of one or two words, the lower word first, and a value of one word.
 #[derive(Debug)]
 pub(crate) struct Sort {
@@ -22,6 +28,8 @@ pub(crate) struct Sort {
     offsets: ComputePipeline,
     scatter: [ComputePipeline; 2],
     tile: u64,
+    /// Up to so many tiles, an invocation sums the counts of a digit alone.
+    few: u64,
     /// Totals by digit, then counts by digit and tile; grows on demand.
     scratch: Memory,
 }
@@ -64,10 +72,10 @@ struct OffsetsPush {
     counts: u64,
     totals: u64,
     tiles: u32,
-    pad: u32,
+    alone: u32,
 }
 
-pushed!(offsets_push_layout: OffsetsPush => SORT_OFFSETS, counts totals tiles pad);
+pushed!(offsets_push_layout: OffsetsPush => SORT_OFFSETS, counts totals tiles alone);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -119,6 +127,7 @@ impl Sort {
             offsets: on.kernel(&shaders::SORT_OFFSETS, size, &())?,
             scatter: both(on, &shaders::SORT_SCATTER)?,
             tile: u64::from(size) * ITEMS,
+            few: if on.limits().subgroup_size <= NARROW { FEW_IF_NARROW } else { FEW },
             scratch: on.memory("sort", 4096)?,
         })
     }
@@ -143,13 +152,15 @@ impl Sort {
         let (count, tiles_word) = (pairs.count as u32, tiles as u32);
         let kernel = pairs.words as usize - 1;
         let passes = pairs.bits.div_ceil(8);
+        let alone = tiles <= self.few;
         let mut at = 0;
         for pass in 0..passes {
             let (from, to, shift) = (at, 1 - at, 8 * pass);
             let keys = pairs.keys[from];
             let push = CountPush { keys, counts, count, tiles: tiles_word, shift, pad: 0 };
             on.dispatch(&self.count[kernel], &push, tiles)?;
-            on.dispatch(&self.offsets, &OffsetsPush { counts, totals, tiles: tiles_word, pad: 0 }, DIGITS)?;
+            let push = OffsetsPush { counts, totals, tiles: tiles_word, alone: alone.into() };
+            on.dispatch(&self.offsets, &push, if alone { DIGITS.div_ceil(self.tile / ITEMS) } else { DIGITS })?;
             let numbered = pairs.numbered && pass == 0;
             let forget = pairs.forget_keys && pass + 1 == passes;
             let push = ScatterPush {

@@ -72,8 +72,8 @@ impl Renderer {
         let time = time.transpose()?;
         let until = match (error, passes, time) {
             (Some((target, share_of_pixels)), ..) => Budget::Error { target, share_of_pixels },
-            (None, Some(passes), _) => Budget::Passes(passes),
-            (None, None, Some(time)) => Budget::Time(time),
+            (None, _, Some(time)) => Budget::Time(time),
+            (None, Some(passes), None) => Budget::Passes(passes),
             (None, None, None) => return Err(Failure::input("passes, time or target_error is needed").into()),
         };
         let most_time = time.filter(|_| !matches!(until, Budget::Time(_)));

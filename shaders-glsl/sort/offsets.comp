@@ -21,7 +21,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 void sum_alone() {
-    uint digit = workgroup() * gl_WorkGroupSize.x + group_rank();
+    uint digit = thread();
     if (digit >= SORT_DIGITS) return;
     Words own = push.counts + digit * push.tiles;
     uint sum = 0;

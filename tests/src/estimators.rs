@@ -3,7 +3,7 @@
 use photon_core::{EstimateParams, IndexKind, Kernel, Photon, Search, radius_squared_factor};
 use std::f64::consts::PI;
 
-use crate::harness::{TestBackend, Uniform, estimate, photon_at, query_at};
+use crate::harness::{TestBackend, Uniform, estimate, estimates_on, photon_at, query_at};
 use crate::stats::{SIGMAS, assert_agrees, moments};
 
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
@@ -46,10 +46,11 @@ fn relative<T: TestBackend>(
     let queries: Vec<_> = (0..256)
         .map(|i| query_at([(i % 16) as f32 * 0.05 - 0.375, (i / 16) as f32 * 0.05 - 0.375, 0.0], radius))
         .collect();
+    let mut on = T::make(2);
     (0..fields)
         .flat_map(|field| {
             let photons = poisson(density, 1000 + field);
-            estimate::<T>(kind, &photons, &queries, gather)
+            estimates_on(&mut on, kind, &photons, &queries, std::slice::from_ref(gather)).concat()
         })
         .map(|e| e.irradiance(1)[0] / density)
         .collect()
@@ -197,6 +198,7 @@ pub fn a12_progressive_variance<T: TestBackend>() {
     let (r1, photons) = (0.02_f64, 20.0);
     let density = photons / (PI * r1 * r1);
     let mut sums = vec![0.0; 256];
+    let mut on = T::make(2);
     for pass in 0..100 {
         let factor = radius_squared_factor(pass, 2.0 / 3.0).sqrt();
         let how = EstimateParams { radius_scale: factor as f32, ..gather(Search::Radius, Kernel::Constant) };
@@ -204,7 +206,7 @@ pub fn a12_progressive_variance<T: TestBackend>() {
         let queries: Vec<_> = (0..256)
             .map(|i| query_at([(i % 16) as f32 * 0.05 - 0.375, (i / 16) as f32 * 0.05 - 0.375, 0.0], r1 as f32))
             .collect();
-        let found = estimate::<T>(IndexKind::Morton, &poisson(density, field), &queries, &how);
+        let found = estimates_on(&mut on, IndexKind::Morton, &poisson(density, field), &queries, &[how]).concat();
         for (sum, e) in sums.iter_mut().zip(found) {
             *sum += e.irradiance(1)[0] / density / 100.0;
         }

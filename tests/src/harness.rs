@@ -1,7 +1,5 @@
 //! The test interface of a backend, and helpers to run its stages.
 
-use std::any::Any;
-use std::cell::Cell;
 use std::ops::Range;
 
 use photon_core::random::{Domain, Sampler, unit_f32};
@@ -15,7 +13,7 @@ use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
 /// A backend under test.
 pub trait TestBackend {
     /// The backend's type.
-    type On: TransportBackend + 'static;
+    type On: TransportBackend;
     /// Creates a new backend; `threads` is used where it applies.
     fn make(threads: usize) -> Self::On;
     /// Whether the backend is available; if not, the reason is printed to standard error.
@@ -83,34 +81,29 @@ pub fn estimates<T: TestBackend>(
     queries: &[Query],
     gathers: &[EstimateParams],
 ) -> Vec<Vec<Estimate>> {
-    let mut on = kept::<T>();
-    let found = {
-        let mut stages = on.map_stages(kind).unwrap();
-        let photons = on.upload("photons", photons).unwrap();
-        let queries_there = on.upload("queries", queries).unwrap();
-        let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
-        let map = stages.builder.build(&mut on, photons).unwrap();
-        let ask = |gather| {
-            stages.estimator.estimate(&mut on, &map, &queries_there, gather, &mut estimates).unwrap();
-            let mut found = Vec::new();
-            on.download(&estimates, &mut found).unwrap();
-            found
-        };
-        gathers.iter().map(ask).collect()
+    estimates_on(&mut T::make(2), kind, photons, queries, gathers)
+}
+
+/// The same on a backend that may have been used: opening a device and its kernels takes longer than most estimates.
+pub fn estimates_on<B: TransportBackend>(
+    on: &mut B,
+    kind: IndexKind,
+    photons: &[Photon],
+    queries: &[Query],
+    gathers: &[EstimateParams],
+) -> Vec<Vec<Estimate>> {
+    let mut stages = on.map_stages(kind).unwrap();
+    let photons = on.upload("photons", photons).unwrap();
+    let queries_there = on.upload("queries", queries).unwrap();
+    let mut estimates = on.alloc("estimates", queries.len() as u64).unwrap();
+    let map = stages.builder.build(on, photons).unwrap();
+    let ask = |gather| {
+        stages.estimator.estimate(on, &map, &queries_there, gather, &mut estimates).unwrap();
+        let mut found = Vec::new();
+        on.download(&estimates, &mut found).unwrap();
+        found
     };
-    on.reset().unwrap();
-    KEPT.set(Some(Box::new(on)));
-    found
-}
-
-thread_local! {
-    /// The backend of the last [`estimates`] of this test: opening a device and its kernels takes longer than most estimates.
-    static KEPT: Cell<Option<Box<dyn Any>>> = const { Cell::new(None) };
-}
-
-fn kept<T: TestBackend>() -> T::On {
-    let kept = KEPT.take().and_then(|on| on.downcast::<T::On>().ok());
-    kept.map_or_else(|| T::make(2), |on| *on)
+    gathers.iter().map(ask).collect()
 }
 
 /// Settings without indirect light, and with this radius of estimates in every pass.

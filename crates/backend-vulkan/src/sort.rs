@@ -14,11 +14,10 @@ use crate::vulkan::Vulkan;
 const ITEMS: u64 = SORT_ITEMS as u64;
 const DIGITS: u64 = SORT_DIGITS as u64;
 
-/// So many loads after another take no longer than the barriers of a workgroup. Where subgroups are as narrow as those of
-/// software drivers, barriers take much longer.
+/// Up to this many tiles, one invocation that adds the counts in turn is faster than the scan of a workgroup, which needs
+/// barriers. These take much longer by software drivers, whose subgroups are narrow.
 const FEW: u64 = 8;
-const NARROW: u32 = 8;
-const FEW_IF_NARROW: u64 = 64;
+const FEW_BY_SOFTWARE: u64 = 64;
 
 /// Sorts pairs of a key of one or two words, the lower word first, and a value of one word.
 #[derive(Debug)]
@@ -27,6 +26,9 @@ pub(crate) struct Sort {
     count: [ComputePipeline; 2],
     offsets: ComputePipeline,
     scatter: [ComputePipeline; 2],
+    /// Size of a workgroup.
+    size: u64,
+    /// Elements of a tile.
     tile: u64,
     /// Up to so many tiles, an invocation sums the counts of a digit alone.
     few: u64,
@@ -126,8 +128,9 @@ impl Sort {
             count: both(on, &shaders::SORT_COUNT)?,
             offsets: on.kernel(&shaders::SORT_OFFSETS, size, &())?,
             scatter: both(on, &shaders::SORT_SCATTER)?,
+            size: size.into(),
             tile: u64::from(size) * ITEMS,
-            few: if on.limits().subgroup_size <= NARROW { FEW_IF_NARROW } else { FEW },
+            few: if on.limits().is_software() { FEW_BY_SOFTWARE } else { FEW },
             scratch: on.memory("sort", 4096)?,
         })
     }
@@ -160,7 +163,7 @@ impl Sort {
             let push = CountPush { keys, counts, count, tiles: tiles_word, shift, pad: 0 };
             on.dispatch(&self.count[kernel], &push, tiles)?;
             let push = OffsetsPush { counts, totals, tiles: tiles_word, alone: alone.into() };
-            on.dispatch(&self.offsets, &push, if alone { DIGITS.div_ceil(self.tile / ITEMS) } else { DIGITS })?;
+            on.dispatch(&self.offsets, &push, if alone { DIGITS.div_ceil(self.size) } else { DIGITS })?;
             let numbered = pairs.numbered && pass == 0;
             let forget = pairs.forget_keys && pass + 1 == passes;
             let push = ScatterPush {
@@ -243,8 +246,8 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             state ^ state >> 31
         };
-        let tile = sort.tile as usize;
-        for n in [0, 1, 2, 33, tile - 1, tile, tile + 1, 5 * tile + 17, 100_000] {
+        let (tile, few) = (sort.tile as usize, sort.few as usize);
+        for n in [0, 1, 2, 33, tile - 1, tile, tile + 1, 5 * tile + 17, few * tile, few * tile + 1, 100_000] {
             for (words, bits) in [(1, 1), (1, 8), (1, 13), (1, 32), (2, 31), (2, 40), (2, 63), (2, 64)] {
                 let mask = if words == 1 { u64::from(u32::MAX) } else { u64::MAX };
                 let keys: Vec<u64> = (0..n).map(|_| word() & mask).collect();
@@ -270,8 +273,12 @@ mod tests {
         ];
         for (number, pattern) in patterns.iter().enumerate() {
             let keys: Vec<u64> = (0..n).map(pattern).collect();
-            let found = sorted(&mut on, &mut sort, &keys, 2, 64);
-            check(&keys, 64, &found).unwrap_or_else(|why| panic!("pattern {number}: {why}"));
+            // By workgroups, and by single invocations.
+            for few in [0, u64::MAX] {
+                sort.few = few;
+                let found = sorted(&mut on, &mut sort, &keys, 2, 64);
+                check(&keys, 64, &found).unwrap_or_else(|why| panic!("pattern {number}, {few}: {why}"));
+            }
         }
     }
 

@@ -25,7 +25,7 @@ impl TransportBackend for Vulkan {
     fn batch(&self) -> u32 {
         // A batch takes as long as its longest path, however few paths it has: a GPU needs many paths at a
         // time.
-        if self.limits().subgroup_size >= 16 { 1 << 22 } else { 1 << 18 }
+        if self.limits().is_software() { 1 << 18 } else { 1 << 22 }
     }
 
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<VulkanScene> {

@@ -32,7 +32,7 @@ pub(crate) fn index_names() -> impl TypedValueParser<Value = IndexKind> {
 /// scene, well within a minute on two cores.
 pub const PASSES: u32 = 32;
 
-/// The preset for a first look has fewer passes if they would take longer than this from the start of the program.
+/// `--preset preview` has fewer passes on the CPU if they would end later than this after the start of the program.
 const QUICK_LOOK: Duration = Duration::from_secs(2);
 
 /// What settings are chosen for.
@@ -249,7 +249,7 @@ impl SettingsArgs {
         })
     }
 
-    /// Maximum time from the start of the program to the picture of a preset whose passes are made by the CPU.
+    /// Time limit of `--preset preview` on the CPU, from the start of the program; `None` with another preset or another end.
     #[must_use]
     pub fn quick_look(&self) -> Option<Duration> {
         let BudgetArgs { preset, target_error, time, passes, total_photons, .. } = self.budget;

@@ -56,6 +56,13 @@ pub struct Limits {
     pub(crate) cache_key: [u8; 16],
 }
 
+impl Limits {
+    /// Whether it is a software driver, whose subgroups are narrower than those of GPUs.
+    pub(crate) fn is_software(&self) -> bool {
+        self.subgroup_size < 16
+    }
+}
+
 /// A logical device and everything that belongs to it; lives until the last buffer is dropped.
 pub(crate) struct Device {
     pub(crate) raw: ash::Device,

@@ -19,8 +19,6 @@ use crate::vulkan::Vulkan;
 pub(super) const OVERSIZED: u32 = 1 << 16;
 /// From this number of photons on, the cost of a wait is negligible.
 const WORTH_WAITING: u64 = 1 << 20;
-/// Devices with smaller subgroups are software devices.
-const SOFTWARE: u32 = 16;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -36,7 +34,7 @@ pushed!(pick_push_layout: PickPush => INDEX_PICK, photons ids picked count capac
 
 /// Whether it is worthwhile to check this number of photons for oversized runs.
 pub(super) fn worth_a_look(on: &Vulkan, length: u64, depth: u64) -> bool {
-    let large = length >= WORTH_WAITING || on.limits().subgroup_size < SOFTWARE;
+    let large = length >= WORTH_WAITING || on.limits().is_software();
     large && length > u64::from(OVERSIZED) && depth < ROUNDS
 }
 

@@ -2,8 +2,8 @@
 
 use crate::settings::{Area, Bandwidth, Settings};
 
-/// Desired quality of a picture. The numbers come from `docs/studies/accuracy.md`, which has the
-/// measurements.
+/// Desired quality of a picture. The numbers come from the measurements in `docs/studies/accuracy.md`, and those of
+/// [`Preset::Preview`] in `docs/studies/first-second.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Preset {
@@ -16,7 +16,7 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// The number of passes that it is meant for.
+    /// The number of passes that it is meant for. The program `photonmap` makes fewer of a preview if they take long.
     #[must_use]
     pub fn passes(self) -> u32 {
         match self {
@@ -27,7 +27,7 @@ impl Preset {
     }
 
     /// Photon paths per pass for each pixel. The other rays of a pixel cost as much as one or two paths,
-    /// and their noise decreases only with the number of passes: in few passes it outweighs that of photons.
+    /// and their noise decreases only with the number of passes.
     #[must_use]
     pub fn photons_per_pixel(self) -> f64 {
         match self {

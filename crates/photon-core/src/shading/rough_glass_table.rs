@@ -43,8 +43,8 @@ impl RoughGlassTable {
     /// Entries of each ratio.
     pub const STRIDE: usize = AlbedoTable::SIZE * (AlbedoTable::SIZE + 1);
 
-    /// The tables for the rough solids of `scene`: some 0.1 seconds of processor time for each ratio, by all cores. If any solids overlap, every two media
-    /// may meet.
+    /// The tables for the rough solids of `scene`: some 0.1 seconds of processor time for each ratio, by all cores. If any
+    /// solids overlap, every two media may meet.
     ///
     /// # Errors
     ///

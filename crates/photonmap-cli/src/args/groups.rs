@@ -105,8 +105,8 @@ pub struct BudgetArgs {
     /// Settings for a purpose: a quick look, everyday work, or a finished picture. Options given explicitly take
     /// precedence.
     ///
-    /// `preview` makes four passes, or on the CPU as many as end within two seconds from the start, at least one. For
-    /// `balanced` and `final`, trials in the scene choose what has the least error in the time that the preset's own passes
+    /// `preview` makes four passes, or with --backend cpu as many as end within two seconds from the start, at least one; not
+    /// with --film or --grain, where it makes four. For `balanced` and `final`, trials in the scene choose what has the least error in the time that the preset's own passes
     /// would take, and fix the number of passes. Nothing is chosen with --passes, --total-photons, --time, --target-error,
     /// --film, --grain, several devices, another --estimator, --radius, --irradiance-every or --indirect gather.
     #[arg(long, value_parser = choice::<Preset>(Preset::ALL.map(Preset::name)))]

@@ -128,8 +128,8 @@ fn a_first_look_is_quick() {
     }
     assert_eq!(args(&[]).plan(None), Plan::from(Budget::Passes(Preset::Preview.passes())));
     // A limit besides another end is a maximum; a time alone is met as nearly as possible.
-    let (time, second) = (Some(Duration::from_secs(9)), Plan::from(Budget::Time(Duration::from_secs(9))));
-    assert_eq!(args(&["--time", "9"]).plan(time), second);
+    let (time, timed) = (Some(Duration::from_secs(9)), Plan::from(Budget::Time(Duration::from_secs(9))));
+    assert_eq!(args(&["--time", "9"]).plan(time), timed);
     assert_eq!(args(&["--time", "9", "--target-error", "0.1"]).plan(time).most_time, time);
 }
 

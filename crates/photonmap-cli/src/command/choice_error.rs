@@ -1,5 +1,5 @@
 //! Errors while settings are chosen.
-#![expect(clippy::print_stderr, reason = "what was not tried is told on standard error")]
+#![expect(clippy::print_stderr, reason = "a failed trial is reported on standard error")]
 
 use crate::fault::Fault;
 
@@ -26,19 +26,20 @@ impl<E: Into<Fault>> From<E> for ChoiceError {
     }
 }
 
-/// The result of the attempt in which final gathering may be tried; of one without it, if that fails, which is told.
+/// The result of the attempt in which final gathering may be tried, or if that fails, of one without it and a warning.
 ///
 /// # Errors
 /// Those of the last attempt.
 pub(super) fn with_or_without_gathering<T>(
     mut attempt: impl FnMut(bool) -> Result<T, ChoiceError>,
-) -> Result<T, Fault> {
+) -> Result<(T, Option<String>), Fault> {
     match attempt(true) {
         Err(ChoiceError::FinalGathering(fault)) => {
-            eprintln!("warning: final gathering was not tried: {fault}");
-            attempt(false).map_err(ChoiceError::into_fault)
+            let warning = format!("trying final gathering failed: {fault}; settings are chosen without it");
+            eprintln!("warning: {warning}");
+            attempt(false).map(|made| (made, Some(warning))).map_err(ChoiceError::into_fault)
         }
-        other => other.map_err(ChoiceError::into_fault),
+        other => other.map(|made| (made, None)).map_err(ChoiceError::into_fault),
     }
 }
 
@@ -56,7 +57,8 @@ mod tests {
             });
             (made, result.map_err(|fault| fault.to_string()))
         };
-        assert_eq!(attempts(ChoiceError::FinalGathering, true), (vec![true, false], Ok(7)));
+        let warning = "trying final gathering failed: 1; settings are chosen without it".to_owned();
+        assert_eq!(attempts(ChoiceError::FinalGathering, true), (vec![true, false], Ok((7, Some(warning)))));
         assert_eq!(attempts(ChoiceError::FinalGathering, false), (vec![true, false], Err("2".to_owned())));
         assert_eq!(attempts(ChoiceError::Other, true), (vec![true], Err("1".to_owned())));
     }

@@ -19,6 +19,15 @@ const MOST_PASSES: f64 = 1e6;
 /// Number of candidates that `photonmap explain` lists.
 const SHOWN: usize = 16;
 
+/// What may be chosen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Allowed {
+    /// Anything: settings of blocks of passes are fixed.
+    pub(super) choices: bool,
+    /// Final gathering.
+    pub(super) gathering: bool,
+}
+
 /// The settings of a render, and why they were chosen.
 #[derive(Clone, Debug)]
 pub struct ChosenSettings {
@@ -43,8 +52,7 @@ pub struct ChosenSettings {
 }
 
 impl ChosenSettings {
-    /// Makes the renderer, and chooses what the options leave to the program; the time of `--time` began at `begun`. Settings
-    /// of blocks of passes are fixed. Final gathering is tried only if it `may_gather`.
+    /// Makes the renderer, and chooses what the options leave to the program; the time of `--time` began at `begun`.
     ///
     /// # Errors
     /// Those of rendering.
@@ -53,9 +61,9 @@ impl ChosenSettings {
         (args, begun): (&SettingsArgs, Instant),
         (scene, view): (&Scene, View),
         settings: Settings,
-        (in_blocks, may_gather): (bool, bool),
+        Allowed { choices, gathering }: Allowed,
     ) -> Result<(Pipeline<B>, Self), ChoiceError> {
-        let purpose = args.purpose().filter(|_| !in_blocks);
+        let purpose = args.purpose().filter(|_| choices);
         let trying = Instant::now();
         let (on, settings) = photon_share::choose(on, args, scene, settings)?;
         let trials = trying.elapsed();
@@ -65,7 +73,7 @@ impl ChosenSettings {
         let seconds = args.budget.time.map_or(0.0, |time| (time - begun.elapsed().as_secs_f64()).max(0.0));
         let trying = Instant::now();
         let (renderer, settings, choice) = match purpose {
-            Some(purpose) => timed::choose(renderer, (args, purpose, begun), (scene, view), settings, may_gather)?,
+            Some(purpose) => timed::choose(renderer, (args, purpose, begun), (scene, view), settings, gathering)?,
             None => (renderer, settings, None),
         };
         let trials = trials + trying.elapsed();
@@ -265,8 +273,9 @@ mod tests {
         let view = args.picture.view(&scene).unwrap();
         let on = Cpu::with_threads(1).unwrap();
         let (settings, begun) = (args.settings().unwrap(), Instant::now());
+        let allowed = Allowed { choices: !in_blocks, gathering: true };
         let (mut renderer, chosen) =
-            ChosenSettings::pipeline(on, (&args, begun), (&scene, view), settings, (in_blocks, true)).unwrap();
+            ChosenSettings::pipeline(on, (&args, begun), (&scene, view), settings, allowed).unwrap();
         (0..2).for_each(|pass| {
             renderer.pass(pass, &mut ()).unwrap();
         });

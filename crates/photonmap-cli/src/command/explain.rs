@@ -9,7 +9,7 @@ use photon_scene::Scene;
 use crate::args::ExplainArgs;
 use crate::backend::Chosen;
 use crate::command::choice_error::{ChoiceError, with_or_without_gathering};
-use crate::command::chosen::ChosenSettings;
+use crate::command::chosen::{Allowed, ChosenSettings};
 use crate::command::render;
 use crate::fault::Fault;
 use crate::{load, memory, stdout};
@@ -79,7 +79,8 @@ fn trials(
         let (opened, _) = render::open(&args.machine)?;
         let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, size));
         let within = |memory| Settings { memory, ..settings.clone() };
-        match if may_gather { opened.report() } else { opened.silent() } {
+        let on = if may_gather { opened.report() } else { opened.silent() };
+        match on {
             Chosen::Cpu(on) => {
                 // It shares the texels, which are resident, with the scene.
                 let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
@@ -88,6 +89,7 @@ fn trials(
             Chosen::Vulkan(on) => choose(*on, (args, begun, may_gather), (scene, view), within(memory)),
         }
     });
+    let chosen = chosen.map(|(chosen, _)| chosen);
     chosen.map_err(|fault| fault.within(args.machine.memory, memory::besides(size)))
 }
 
@@ -97,6 +99,7 @@ fn choose<B: TransportBackend>(
     (scene, view): (&Scene, View),
     settings: Settings,
 ) -> Result<ChosenSettings, ChoiceError> {
-    let made = ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), settings, (false, may_gather));
+    let allowed = Allowed { choices: true, gathering: may_gather };
+    let made = ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), settings, allowed);
     made.map(|(_, chosen)| chosen)
 }

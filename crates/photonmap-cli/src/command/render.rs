@@ -12,7 +12,7 @@ use photon_scene::{CompressedTree, LoadReport, Scene};
 use crate::args::{MachineArgs, RenderArgs};
 use crate::backend::{self, Chosen, Opened};
 use crate::command::choice_error::{ChoiceError, with_or_without_gathering};
-use crate::command::chosen::ChosenSettings;
+use crate::command::chosen::{Allowed, ChosenSettings};
 use crate::command::picture::{self, Look, Shown};
 use crate::command::{render_blocks, render_film, render_passes};
 use crate::denoise::Denoiser;
@@ -47,6 +47,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let (mut renderers, started) = start((args, begun), opened, &scene, view, &mut settings)?;
     let ready = Instant::now();
     let mut warnings = scene.warnings().to_vec();
+    warnings.extend(started.warning.clone());
     let starving = starving(&scene, &*renderers[0]);
     starving.iter().for_each(|warning| eprintln!("warning: {warning}"));
     warnings.extend(starving);
@@ -197,6 +198,8 @@ struct Started {
     device: f64,
     /// With `--time`, `--preset` and `--target-error`.
     chosen: Option<ChosenSettings>,
+    /// What was reported.
+    warning: Option<String>,
 }
 
 /// The output files, checked before anything is rendered.
@@ -295,11 +298,11 @@ fn start(
     let (opened, device) = opened.map_or_else(|| open(&args.machine), Ok)?;
     let besides = memory::besides(args.settings.picture.size);
     let mut on = Some(opened.report());
+    // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
+    let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
     let started = with_or_without_gathering(|may_gather| {
-        // An error takes the backend with it.
+        // A failed attempt consumes the backend; it is opened again.
         let on = on.take().map_or_else(|| open(&args.machine).map(|(opened, _)| opened.silent()), Ok)?;
-        // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
-        let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
         match on {
             Chosen::Cpu(on) => {
                 // It counts the texels, which it shares with the scene: they are resident already.
@@ -309,8 +312,8 @@ fn start(
             Chosen::Vulkan(on) => chosen_pipeline(*on, (args, begun, may_gather), scene, view, memory, settings),
         }
     });
-    let (renderer, chosen) = started.map_err(|fault| fault.within(args.machine.memory, besides))?;
-    Ok((vec![renderer], Started { device, chosen }))
+    let ((renderer, chosen), warning) = started.map_err(|fault| fault.within(args.machine.memory, besides))?;
+    Ok((vec![renderer], Started { device, chosen, warning }))
 }
 
 /// A renderer, and what was chosen.
@@ -323,8 +326,8 @@ fn chosen_pipeline<B: TransportBackend>(
     settings: &mut Settings,
 ) -> Result<(Box<dyn Render>, Option<ChosenSettings>), ChoiceError> {
     let within = Settings { memory, ..settings.clone() };
-    let may = (render_blocks::in_blocks(args), may_gather);
-    let (renderer, chosen) = ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), within, may)?;
+    let allowed = Allowed { choices: !render_blocks::in_blocks(args), gathering: may_gather };
+    let (renderer, chosen) = ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), within, allowed)?;
     if let Some(line) = chosen.line() {
         eprintln!("{line}");
     }

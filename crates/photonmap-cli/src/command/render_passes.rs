@@ -32,7 +32,8 @@ pub(super) fn run(
     let time = limit.map(|time| time.saturating_sub(started.elapsed() + writing(args)));
     let mut plan = args.settings.plan(time);
     // A GPU makes these few passes in less time than it takes to compile a kernel, which may happen in any of them.
-    if let Some(limit) = args.settings.quick_look().filter(|_| renderer.facts().backend == "cpu") {
+    let quick = args.settings.quick_look().filter(|_| renderer.facts().backend == "cpu");
+    if let Some(limit) = quick {
         plan.most_time = Some(limit.saturating_sub(started.elapsed() + writing(args)));
     }
     plan.until = chosen.map_or(plan.until, Budget::Passes);
@@ -72,6 +73,12 @@ pub(super) fn run(
     let outcome = render(renderer, plan, &mut Watching { watch, inner, say: &mut say });
     progress.into_inner().finish();
     let outcome = outcome?;
+    if quick.is_some() && outcome.passes < plan.passes() && !outcome.cancelled {
+        let (made, all) = (outcome.passes, plan.passes());
+        eprintln!(
+            "a first look: {made} of {all} passes, since more would take longer than two seconds; --passes {all} makes all"
+        );
+    }
     if let Some(reached) = &outcome.reached {
         eprintln!("{}", error_line("result", reached));
     }
@@ -85,4 +92,36 @@ fn writing(args: &RenderArgs) -> Duration {
     let pixels = f64::from(width) * f64::from(height);
     let exr = args.files.output.iter().any(|path| picture::is_exr(path));
     Duration::from_secs_f64(pixels * if exr { 1.5e-6 } else { 1e-7 })
+}
+
+#[cfg(test)]
+mod tests {
+    use backend_cpu::Cpu;
+    use clap::Parser as _;
+    use photon_core::{Pipeline, Settings, View};
+
+    use super::*;
+    use crate::command::picture::Look;
+    use crate::exposure::Exposure;
+
+    /// A first look ends before its four passes if the time is over, but not before the first.
+    #[test]
+    fn a_first_look_has_fewer_passes_if_they_take_long() {
+        let scene = photon_scene::builtin("cornell").unwrap().build().unwrap();
+        let view = View { camera: scene.camera(None, 8, 8).unwrap(), width: 8, height: 8 };
+        let settings = Settings { photons: 100, ..Settings::default() };
+        let passes = |options: &[&str], ago: u64| {
+            let args = RenderArgs::try_parse_from([&["render", "cornell", "--preset", "preview"], options].concat());
+            let args = args.unwrap();
+            let on = Cpu::with_threads(1).unwrap();
+            let mut renderer = Pipeline::new(on, &scene.view(), view, settings.clone()).unwrap();
+            let look = Look { transparent: false, exposure: Exposure::Stops(0.0), tonemap: args.files.tonemap };
+            let mut watch = Watch::start(&args.watch, look, "").unwrap();
+            let started = Instant::now().checked_sub(Duration::from_secs(ago)).unwrap();
+            let stop = AtomicBool::new(false);
+            run((&args, None), 100, &mut renderer, started, (&mut watch, &stop)).unwrap().passes
+        };
+        assert_eq!(passes(&[], 10), 1);
+        assert_eq!(passes(&["--passes", "4"], 10), 4);
+    }
 }

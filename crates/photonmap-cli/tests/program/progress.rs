@@ -30,21 +30,3 @@ fn a_report_to_standard_output_stands_there_alone() {
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["passes"], 1);
 }
-
-/// A first look ends before its four passes if they would take too long, but not before the first.
-#[test]
-fn a_first_look_has_fewer_passes_if_they_take_long() {
-    let picture = folder("first-look").join("a.png");
-    let picture = picture.to_str().unwrap();
-    let look = |options: &[&str]| {
-        let fixed = ["cornell", "--size", "8x8", "--backend", "cpu", "--preset", "preview", "-o", picture];
-        let output = render(&[&fixed[..], options].concat());
-        succeeded(&output);
-        stderr(&output)
-    };
-    let quick = look(&["--photons", "500"]);
-    assert!(quick.contains(": 4 passes of 500 paths"), "{quick}");
-    // More than a second for each.
-    let slow = look(&["--photons", "2M", "--threads", "1"]);
-    assert!(slow.contains(": 1 passes of 2000000 paths"), "{slow}");
-}

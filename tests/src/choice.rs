@@ -52,7 +52,7 @@ pub fn chosen_settings_make_the_same_bits<T: TestBackend>() {
     // In no time there is one pass, whatever it takes: areas of surfaces have less bias.
     let hasty = check(ALL, 0.0);
     assert!(hasty.area == Area::Surface && hasty.bandwidth == Bandwidth::Shared, "{hasty:?}");
-    assert_eq!(hasty.candidates.len(), 10);
+    assert_eq!(hasty.candidates.len(), 12);
     // In years, each pixel finds its own radius.
     let patient = check(ALL, 1e8);
     assert_eq!((patient.radius_factor, patient.bandwidth), (1.0, Bandwidth::PerPixel), "{patient:?}");

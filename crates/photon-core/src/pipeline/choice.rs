@@ -24,6 +24,8 @@ pub struct Candidate {
     pub area: Area,
     /// [`crate::Settings::radius_factor`].
     pub radius_factor: f64,
+    /// [`crate::Settings::bandwidth`].
+    pub bandwidth: Bandwidth,
     /// [`crate::Settings::gather_rays`]; `None` without final gathering.
     pub gather_rays: Option<u32>,
     /// Seconds of a pass.
@@ -41,8 +43,8 @@ pub struct Candidate {
 pub enum Goal {
     /// The least error after so many seconds of passes.
     Time(f64),
-    /// The least error after the time that so many passes with the present settings are expected to take, without the seconds
-    /// that radii per pixel add; with final gathering, passes with one ray.
+    /// The least error after the time that so many passes with the present settings are expected to take; with final
+    /// gathering, passes with one ray.
     Passes(u32),
     /// The least time until an error is expected, or the least error if that takes longer than allowed.
     Error {
@@ -69,7 +71,7 @@ pub struct Choice {
     pub gather_rays: Option<u32>,
     /// Seconds of passes that it was chosen for.
     pub seconds: f64,
-    /// All that were compared, by increasing error, with one radius for each map.
+    /// All that were compared, by increasing error.
     pub candidates: Vec<Candidate>,
     /// Seconds of a pass that are proportional to the number of paths, until photon maps are built.
     pub photon_seconds: f64,
@@ -94,12 +96,12 @@ pub struct Open {
 }
 
 impl Choice {
-    /// The candidate that was chosen; where each pixel has its own radius, the best that is like it otherwise.
+    /// The candidate that was chosen.
     #[must_use]
     pub fn chosen(&self) -> Option<&Candidate> {
         self.candidates.iter().find(|each| {
-            (each.photons, each.area, each.gather_rays) == (self.photons, self.area, self.gather_rays)
-                && (each.radius_factor == self.radius_factor || self.bandwidth == Bandwidth::PerPixel)
+            (each.photons, each.area, each.radius_factor, each.bandwidth, each.gather_rays)
+                == (self.photons, self.area, self.radius_factor, self.bandwidth, self.gather_rays)
         })
     }
 
@@ -152,9 +154,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let (comparison, seconds) = result?;
         let (candidates, photon_seconds) = (comparison.candidates(seconds), comparison.photon_seconds);
         let now = self.settings.photons;
-        let bandwidth = (self.settings.bandwidth, open.bandwidth);
-        let Some((best, bandwidth)) = decide(&candidates, now, seconds, bandwidth) else { return Ok(None) };
-        let Candidate { photons, area, radius_factor, gather_rays, .. } = best;
+        let Some(best) = decide(&candidates, now, seconds) else { return Ok(None) };
+        let Candidate { photons, area, radius_factor, bandwidth, gather_rays, .. } = best;
         let choice =
             Choice { photons, area, radius_factor, bandwidth, gather_rays, seconds, candidates, photon_seconds };
         self.take_choice(scene, &choice)?;

@@ -195,20 +195,22 @@ impl ChosenSettings {
         if self.passes.is_some() && !self.settings.errors {
             let _ = writeln!(text, "expected time: {} s", short(self.seconds));
         }
-        if choice.bandwidth == Bandwidth::PerPixel && self.is_timed {
-            let _ = writeln!(text, "error estimates, and more paths, make passes longer: fewer of them may fit");
+        if self.photons != choice.photons {
+            let _ = writeln!(text, "more paths make passes longer: fewer of them may fit");
         }
-        let _ =
-            writeln!(text, "\nforecasts of the relative error with one radius for each map, and seconds of a pass:");
+        let _ = writeln!(text, "\nforecasts of the relative error, and seconds of a pass:");
         let gathered = choice.candidates.iter().skip(SHOWN).find(|each| each.gather_rays.is_some());
         for candidate in choice.candidates.iter().take(SHOWN).chain(gathered) {
             let (area, factor, error) =
                 (candidate.area.name(), candidate.radius_factor, 100.0 * candidate.error.sqrt());
-            let gathered =
-                candidate.gather_rays.map_or(String::new(), |rays| format!("  --indirect gather --gather-rays {rays}"));
+            let other = match (candidate.gather_rays, candidate.bandwidth) {
+                (Some(rays), _) => format!("  --indirect gather --gather-rays {rays}"),
+                (None, Bandwidth::PerPixel) => "  --bandwidth per-pixel".to_owned(),
+                (None, _) => String::new(),
+            };
             let _ = writeln!(
                 text,
-                "  --photons {:<8} --area {area:<8} --radius-factor {factor:<4} {error:6.2} %  {:.4} s{gathered}",
+                "  --photons {:<8} --area {area:<8} --radius-factor {factor:<4} {error:6.2} %  {:.4} s{other}",
                 candidate.photons, candidate.seconds
             );
         }
@@ -225,11 +227,12 @@ impl ChosenSettings {
             "options": self.with_passes(passes),
             // Time for passes; with --time for trials too, without what came before.
             "seconds": self.seconds,
-            // By increasing forecast of the relative error (root mean square) after that time, with one radius for each map.
+            // By increasing forecast of the relative error (root mean square) after that time.
             "candidates": candidates.map(|candidate| json!({
                 "photons": candidate.photons,
                 "area": candidate.area.name(),
                 "radius_factor": candidate.radius_factor,
+                "bandwidth": candidate.bandwidth.name(),
                 // Rays of final gathering; null where indirect light is read from a map.
                 "gather_rays": candidate.gather_rays,
                 "error": candidate.error.sqrt(),

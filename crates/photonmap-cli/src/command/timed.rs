@@ -141,8 +141,9 @@ const MANY_PASSES: f64 = 200.0;
 /// as (total paths)^(−2/3), and other noise is small after many passes. On a GPU a pass takes hardly longer with several times
 /// as many. At most two per pixel; `None` if that is less than 1.5 times those of now.
 fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
-    let of_area = |each: &&Candidate| each.area == choice.area && each.photons == photons;
-    let best = choice.candidates.iter().find(of_area)?;
+    let is_like =
+        |each: &&Candidate| (each.area, each.bandwidth, each.photons) == (choice.area, choice.bandwidth, photons);
+    let best = choice.candidates.iter().find(is_like)?;
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
     if choice.bandwidth == Bandwidth::PerPixel { increased(photons, pixels, parts, seconds) } else { None }
 }

@@ -7,7 +7,7 @@ use crate::backend::TransportBackend;
 use crate::backend::stages::View;
 use crate::error::Result;
 use crate::scene::SceneView;
-use crate::settings::Area;
+use crate::settings::{Area, Bandwidth};
 
 /// Pictures of trials have this fraction of the width and of the height.
 const REDUCTION: u32 = 5;
@@ -78,6 +78,9 @@ pub(super) struct Comparison {
     /// Multiples of the number of paths, and factors on radii, that may be chosen.
     multiples: Vec<f64>,
     factors: &'static [f64],
+    /// The present kind of radii, and whether another may be chosen.
+    bandwidth: Bandwidth,
+    may_be_per_pixel: bool,
     /// The present number of paths, and seconds of a pass that are proportional to it.
     photons: u32,
     pub(super) photon_seconds: f64,
@@ -94,10 +97,24 @@ impl Comparison {
                 let photons = (more * f64::from(self.photons)).min(f64::from(u32::MAX)) as u32;
                 // For another number a new pipeline is prepared; its kernels are compiled already.
                 let seconds = if more == 1.0 { seconds } else { (seconds - self.setup).max(0.0) };
-                candidates.extend(self.factors.iter().map(|&radius_factor| {
-                    let [seconds, error, direct_error] = model.forecast(more, radius_factor, seconds);
-                    Candidate { photons, area, radius_factor, gather_rays, seconds, error, direct_error }
-                }));
+                let candidate = |bandwidth, radius_factor, [seconds, error, direct_error]: [f64; 3]| Candidate {
+                    photons,
+                    area,
+                    radius_factor,
+                    bandwidth,
+                    gather_rays,
+                    seconds,
+                    error,
+                    direct_error,
+                };
+                if self.bandwidth == Bandwidth::Shared {
+                    let shared = |&factor| candidate(Bandwidth::Shared, factor, model.forecast(more, factor, seconds));
+                    candidates.extend(self.factors.iter().map(shared));
+                }
+                if self.bandwidth == Bandwidth::PerPixel || self.may_be_per_pixel {
+                    let forecast = model.forecast_per_pixel(more, &POSSIBLE_FACTORS, seconds);
+                    candidates.push(candidate(Bandwidth::PerPixel, 1.0, forecast));
+                }
             }
         }
         candidates.sort_by(|a, b| a.error.total_cmp(&b.error));
@@ -109,7 +126,9 @@ impl Comparison {
         match goal {
             Goal::Time(seconds) => seconds,
             // The first has the present kind of areas.
-            Goal::Passes(passes) => self.compared.first().map_or(0.0, |each| each.model.seconds_of(passes)),
+            Goal::Passes(passes) => {
+                self.compared.first().map_or(0.0, |each| each.model.seconds_of(passes, self.bandwidth))
+            }
             Goal::Error { error, most_seconds } => {
                 let longest = LONGEST.min(most_seconds);
                 let is_reached =
@@ -152,6 +171,7 @@ impl<B: TransportBackend> Pipeline<B> {
         if measured.photons[1] + all.sum::<f64>() < timed_part * seconds {
             let timed = self.time_whole(rays, &settings)?;
             measured.photons = timed.photons;
+            measured.look = timed.look;
             measured.gathering = timed.gathering;
             let trials = measured.trials.iter_mut().zip(timed.shown);
             trials.for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);
@@ -162,7 +182,7 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 
     fn comparison(&self, measured: &Measured, areas: &[Area], open: Open) -> Comparison {
-        let Measured { trials, sampled, gathering, others, photons, .. } = measured;
+        let Measured { trials, sampled, gathering, others, photons, look } = measured;
         let now = f64::from(self.settings.photons);
         let multiples = MULTIPLES
             .iter()
@@ -171,6 +191,8 @@ impl<B: TransportBackend> Pipeline<B> {
             compared: Vec::new(),
             multiples: multiples.copied().collect(),
             factors: if open.radius_factor { &POSSIBLE_FACTORS } else { &[1.0] },
+            bandwidth: self.settings.bandwidth,
+            may_be_per_pixel: open.bandwidth,
             photons: self.settings.photons,
             photon_seconds: photons[1],
             setup: self.setup.total(),
@@ -192,7 +214,7 @@ impl<B: TransportBackend> Pipeline<B> {
         {
             let of_area: Vec<&Trial> = trials.iter().filter(|trial| trial.area == area).collect();
             let photons = [photons[0] + gathering, photons[1]];
-            let model = Model::new(&of_area, &reference, noise, &weights, photons, self.settings.alpha);
+            let model = Model::new(&of_area, &reference, noise, &weights, (photons, *look), self.settings.alpha);
             comparison.compared.push(Compared { gather_rays, area, model });
         }
         comparison

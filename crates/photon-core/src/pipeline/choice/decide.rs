@@ -3,51 +3,47 @@
 use super::Candidate;
 use crate::settings::{Area, Bandwidth};
 
-/// Discs are chosen, or another number of paths, if the error is less than this part of that with areas of surfaces, or with the
-/// present number: times are not exact, and what discs lack at edges is more visible than noise.
+/// Discs are chosen, another number of paths, or radii per pixel, if the error is less than this part of that with areas of
+/// surfaces, with the present number, or with shared radii: times are not exact, and what discs lack at edges is more visible
+/// than noise.
 const CLEARLY_LESS: f64 = 0.85;
 
-/// A radius for each pixel gains little where direct light makes up more than this part of the error.
-const MAX_DIRECT: f64 = 0.5;
-
 /// More paths are chosen if a pass takes at most this many times as long, and the error is at most this many times as large: two
-/// passes hardly show rare bright photons, of which more are found.
+/// passes hardly show rare bright photons, of which more are found, or the bias of narrow features.
+const HARDLY_LONGER: f64 = 1.25;
 const HARDLY_MORE: f64 = 1.15;
 
-/// With that many times the passes of [`passes_per_pixel`], direct light is no reason against a radius for each pixel: its noise
-/// falls faster than bias.
-const MANY_TIMES: f64 = 2.0;
+/// With as many passes radii are those of each pixel, whatever the forecast: bias that remains then is below the noise of trials.
+const MANY_PASSES: f64 = 700.0;
 
-/// With as many passes, a radius for each pixel is worth the error estimates that it takes. These are estimates with a second
-/// radius, which areas of surfaces make more expensive.
-const fn passes_per_pixel(area: Area) -> f64 {
-    match area {
-        Area::Disc => 200.0,
-        Area::Surface => 500.0,
+/// The best of the candidates, which are by increasing error, for this time; `now` is the present number of paths. `None` without
+/// a candidate that has this number.
+pub(super) fn decide(candidates: &[Candidate], now: u32, seconds: f64) -> Option<Candidate> {
+    let shared = best_with(candidates, Bandwidth::Shared, now);
+    let per_pixel = best_with(candidates, Bandwidth::PerPixel, now);
+    match (shared, per_pixel) {
+        (Some(shared), Some(per_pixel)) => {
+            let is_better = per_pixel.error < CLEARLY_LESS * shared.error;
+            Some(if is_better || seconds > MANY_PASSES * per_pixel.seconds { per_pixel } else { shared })
+        }
+        (shared, per_pixel) => per_pixel.or(shared),
     }
 }
 
-/// The best of the candidates, which are by increasing error, for this time; `now` is the present number of paths. With
-/// radii per pixel, if these may be chosen, the factor on radii is 1. `None` without a candidate that has this number.
-pub(super) fn decide(
-    candidates: &[Candidate],
-    now: u32,
-    seconds: f64,
-    (bandwidth, is_open): (Bandwidth, bool),
-) -> Option<(Candidate, Bandwidth)> {
-    let best = best_of(candidates, |candidate| candidate.photons == now)?;
-    let other = best_of(candidates, |candidate| candidate.photons != now);
+/// The best with this kind of radii.
+fn best_with(candidates: &[Candidate], bandwidth: Bandwidth, now: u32) -> Option<Candidate> {
+    let best = best_of(candidates, |each| each.bandwidth == bandwidth && each.photons == now)?;
+    let other = best_of(candidates, |each| each.bandwidth == bandwidth && each.photons != now);
     let best = other.filter(|other| other.error < CLEARLY_LESS * best.error).unwrap_or(best);
-    let best = candidates
+    let is_like =
+        |each: &&Candidate| (each.area, each.bandwidth, each.gather_rays) == (best.area, bandwidth, best.gather_rays);
+    candidates
         .iter()
-        .filter(|each| each.photons >= best.photons && (each.area, each.gather_rays) == (best.area, best.gather_rays))
-        .filter(|each| each.seconds <= HARDLY_MORE * best.seconds && each.error <= HARDLY_MORE * best.error)
+        .filter(|each| each.photons >= best.photons && is_like(each))
+        .filter(|each| each.seconds <= HARDLY_LONGER * best.seconds && each.error <= HARDLY_MORE * best.error)
         .max_by(|a, b| a.photons.cmp(&b.photons).then(b.error.total_cmp(&a.error)))
         .copied()
-        .unwrap_or(best);
-    let limits = seconds / (passes_per_pixel(best.area) * best.seconds);
-    let is_per_pixel = is_open && limits > 1.0 && (limits > MANY_TIMES || best.direct_error < MAX_DIRECT * best.error);
-    Some(if is_per_pixel { (Candidate { radius_factor: 1.0, ..best }, Bandwidth::PerPixel) } else { (best, bandwidth) })
+        .or(Some(best))
 }
 
 /// The best of some candidates; discs only if they are clearly better.
@@ -68,6 +64,7 @@ mod tests {
             photons,
             area,
             radius_factor: 0.7,
+            bandwidth: Bandwidth::Shared,
             gather_rays: None,
             // Photons take half of a pass of 1000 paths.
             seconds: 0.005 + 0.005 * f64::from(photons) / 1000.0,
@@ -76,10 +73,10 @@ mod tests {
         }
     }
 
-    fn decided(candidates: &[Candidate], seconds: f64) -> (Candidate, Bandwidth) {
+    fn decided(candidates: &[Candidate]) -> Candidate {
         let mut sorted = candidates.to_vec();
         sorted.sort_by(|a, b| a.error.total_cmp(&b.error));
-        decide(&sorted, 1000, seconds, (Bandwidth::Shared, true)).unwrap()
+        decide(&sorted, 1000, 1.0).unwrap()
     }
 
     #[test]
@@ -92,10 +89,9 @@ mod tests {
             (candidate(4000, Area::Surface, 0.84), true),
         ] {
             let expected = if is_chosen { other } else { surface };
-            assert_eq!(decided(&[surface, other], 1.0), (expected, Bandwidth::Shared), "{other:?}");
+            assert_eq!(decided(&[surface, other]), expected, "{other:?}");
         }
-        let none = decide(&[candidate(500, Area::Disc, 1.0)], 1000, 1.0, (Bandwidth::Shared, true));
-        assert_eq!(none, None);
+        assert_eq!(decide(&[candidate(500, Area::Disc, 1.0)], 1000, 1.0), None);
     }
 
     /// Of several such numbers the largest, with the best radius.
@@ -104,33 +100,42 @@ mod tests {
         let best = candidate(1000, Area::Surface, 1.0);
         let more = |seconds: f64, error: f64| Candidate { seconds, ..candidate(4000, Area::Surface, error) };
         for (other, is_chosen) in [
-            (more(0.0114, 1.14), true),
-            (more(0.0116, 1.14), false),
+            (more(0.0124, 1.14), true),
+            (more(0.0126, 1.14), false),
             (more(0.0114, 1.16), false),
             (Candidate { area: Area::Disc, ..more(0.0114, 1.14) }, false),
             (Candidate { photons: 500, ..more(0.0114, 1.14) }, false),
+            (Candidate { bandwidth: Bandwidth::PerPixel, ..more(0.0114, 1.14) }, false),
         ] {
             let expected = if is_chosen { other } else { best };
-            assert_eq!(decided(&[best, other], 1.0).0, expected, "{other:?}");
+            assert_eq!(decided(&[best, other]), expected, "{other:?}");
         }
         let fewer = Candidate { photons: 2000, ..more(0.0101, 1.0) };
         let wide = Candidate { radius_factor: 1.4, ..more(0.0114, 1.13) };
-        assert_eq!(decided(&[best, fewer, more(0.0114, 1.14), wide], 1.0).0, wide);
+        assert_eq!(decided(&[best, fewer, more(0.0114, 1.14), wide]), wide);
     }
 
     #[test]
-    fn pixels_have_their_own_radii_with_many_passes_and_little_noise_of_direct_light() {
-        for (area, many) in [(Area::Disc, 2.0), (Area::Surface, 5.0)] {
-            let best = candidate(1000, area, 1.0);
-            assert_eq!(decided(&[best], 0.99 * many), (best, Bandwidth::Shared));
-            let own = Candidate { radius_factor: 1.0, ..best };
-            assert_eq!(decided(&[best], 1.01 * many), (own, Bandwidth::PerPixel));
-            let closed = decide(&[best], 1000, 1.01 * many, (Bandwidth::Shared, false));
-            assert_eq!(closed, Some((best, Bandwidth::Shared)));
-            let noisy = Candidate { direct_error: 0.6, ..best };
-            assert_eq!(decided(&[noisy], 1.99 * many), (noisy, Bandwidth::Shared));
-            let own = Candidate { radius_factor: 1.0, ..noisy };
-            assert_eq!(decided(&[noisy], 2.01 * many), (own, Bandwidth::PerPixel));
+    fn pixels_have_their_own_radii_where_that_is_better() {
+        let best = candidate(1000, Area::Surface, 1.0);
+        let own =
+            |photons, area, error| Candidate { bandwidth: Bandwidth::PerPixel, ..candidate(photons, area, error) };
+        for (other, is_chosen) in [
+            (own(1000, Area::Surface, 0.86), false),
+            (own(1000, Area::Surface, 0.84), true),
+            (own(1000, Area::Disc, 0.84), true),
+        ] {
+            assert_eq!(decided(&[best, other]), if is_chosen { other } else { best }, "{other:?}");
         }
+        // Areas and the number of paths are chosen for each kind of radii.
+        let [surface, disc] = [own(1000, Area::Surface, 0.8), own(1000, Area::Disc, 0.7)];
+        assert_eq!(decided(&[best, surface, disc]), surface);
+        let more = own(4000, Area::Surface, 0.6);
+        assert_eq!(decided(&[best, surface, disc, more]), more);
+        assert_eq!(decided(&[surface, disc]), surface);
+        // 0.01 s for a pass: 700 in 7 s.
+        let worse = own(1000, Area::Surface, 2.0);
+        assert_eq!(decide(&[best, worse], 1000, 6.99), Some(best));
+        assert_eq!(decide(&[best, worse], 1000, 7.01), Some(worse));
     }
 }

@@ -1,7 +1,7 @@
 //! The error that estimates with one kind of areas and one radius are expected to have after a given time.
 
 use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_sum};
-use crate::settings::Area;
+use crate::settings::{Area, Bandwidth};
 
 /// What one setting of the estimates gave in two passes, and what it took.
 pub(super) struct Trial {
@@ -54,8 +54,27 @@ const HIDDEN: f64 = 2.0;
 /// Pixels of a row whose means are taken as independent: photons are in the discs of several pixels.
 const CORRELATED: usize = 64;
 
+/// The greatest factor on radii that is tried: radii per pixel grow where light is smooth, and the time of their estimates is
+/// near that with this factor.
+const WIDE: f64 = 2.0;
+
+/// The seconds of estimates with radii per pixel over those with the factor [`WIDE`]: errors are estimated too, with a second
+/// radius. Measuring areas takes about as long with both.
+const fn cost_per_pixel(area: Area) -> f64 {
+    match area {
+        Area::Disc => 1.8,
+        Area::Surface => 1.5,
+    }
+}
+
+/// The squared error by photons with radii per pixel over that with the best shared radius, after as many passes: that of many
+/// passes, and what is added until radii are found, times the number of passes.
+const GAIN: f64 = 0.55;
+const SEARCH: f64 = 9.0;
+
 /// Squared relative errors of one kind of areas.
 pub(super) struct Model {
+    area: Area,
     /// The variance that does not depend on photons.
     others: f64,
     variance: Curve,
@@ -64,19 +83,21 @@ pub(super) struct Model {
     hidden: [f64; 2],
     seconds: Curve,
     photons: [f64; 2],
+    look: f64,
     alpha: f64,
 }
 
 impl Model {
     /// From the trials of one kind of areas, by increasing factor; `reference` is the radiance that they are compared with
-    /// ([`reference`]), `others` the variance that is not by photons at visible points, and `photons` the seconds of a pass
-    /// before these estimates: fixed ones, and those that are proportional to the number of paths.
+    /// ([`reference`]), `others` the variance that is not by photons at visible points, `photons` the seconds of a pass
+    /// before these estimates, fixed ones and those that are proportional to the number of paths, and `look` the seconds for
+    /// camera paths and direct light.
     pub(super) fn new(
         trials: &[&Trial],
         reference: &[Vec<f64>; 2],
         others: f64,
         weights: &[f64],
-        photons: [f64; 2],
+        (photons, look): ([f64; 2], f64),
         alpha: f64,
     ) -> Self {
         // The noise of two passes is independent: that of the product has the mean 0. A visible point at the rim of a
@@ -93,6 +114,7 @@ impl Model {
             trials.iter().map(|trial| [trial.factor, of(trial).max(f64::MIN_POSITIVE)]).collect::<Vec<_>>()
         };
         Self {
+            area: trials.first().map_or(Area::Disc, |trial| trial.area),
             others,
             // That of smooth light is as the reciprocal of the area. Few photons per disc make it uncertain, so that less
             // might be measured between two radii.
@@ -115,37 +137,61 @@ impl Model {
             hidden,
             seconds: Curve { points: positive(&|trial| trial.seconds), exponents: [0.0, 2.0], below: None },
             photons,
+            look,
             alpha,
         }
     }
 
-    /// The seconds of this many passes with the present number of paths and radii.
-    pub(super) fn seconds_of(&self, passes: u32) -> f64 {
+    /// The seconds of this many passes with the present number of paths and this kind of radii.
+    pub(super) fn seconds_of(&self, passes: u32, bandwidth: Bandwidth) -> f64 {
         let passes = passes.max(1);
-        let wide = (radius_squared_sum(passes, self.alpha) / f64::from(passes)).sqrt();
-        f64::from(passes) * (self.photons[0] + self.photons[1] + self.seconds.at(wide))
+        if bandwidth == Bandwidth::PerPixel {
+            return f64::from(passes) * self.pass_per_pixel(1.0);
+        }
+        f64::from(passes) * (self.photons[0] + self.photons[1] + self.seconds.at(self.wide(passes).sqrt()))
     }
 
     /// With `more` times the paths and a factor on radii that are derived from their density: seconds of a pass, the squared
     /// relative error after `seconds`, and the part of that error that is not by photons.
     pub(super) fn forecast(&self, more: f64, factor: f64, seconds: f64) -> [f64; 3] {
-        let count = |pass: f64| (seconds / pass.max(f64::MIN_POSITIVE)).round().clamp(1.0, 1e9) as u32;
-        // Radii shrink: bias is proportional to the mean of their squares, variance to that of their reciprocals.
-        let wide = |passes: u32| radius_squared_sum(passes, self.alpha) / f64::from(passes);
-        // Passes become faster with it, which makes them more, and their radii smaller: a few steps find their number.
+        // Passes become faster as radii shrink, which makes them more, and their radii smaller: a few steps find their number.
         let photons = self.photons[0] + more * self.photons[1];
         let mut pass = photons + self.seconds.at(factor);
         for _ in 0..STEPS {
-            pass = photons + self.seconds.at(factor * wide(count(pass)).sqrt());
+            pass = photons + self.seconds.at(factor * self.wide(count(seconds, pass)).sqrt());
         }
-        let passes = count(pass);
-        let (n, wide) = (f64::from(passes), wide(passes));
+        let passes = count(seconds, pass);
+        let others = self.others / f64::from(passes);
+        [pass, others + self.by_photons(more, factor, passes), others]
+    }
+
+    /// The same with radii of each pixel, as a part of what the best of the `factors` would give with as many passes.
+    pub(super) fn forecast_per_pixel(&self, more: f64, factors: &[f64], seconds: f64) -> [f64; 3] {
+        let pass = self.pass_per_pixel(more);
+        let passes = count(seconds, pass);
+        let others = self.others / f64::from(passes);
+        let shared = factors.iter().map(|&factor| self.by_photons(more, factor, passes)).fold(f64::INFINITY, f64::min);
+        [pass, others + (GAIN + SEARCH / f64::from(passes)) * shared, others]
+    }
+
+    fn pass_per_pixel(&self, more: f64) -> f64 {
+        let estimate = (self.seconds.at(WIDE) - self.look).max(0.0);
+        self.photons[0] + more * self.photons[1] + self.look + cost_per_pixel(self.area) * estimate
+    }
+
+    /// The squared error by photons after so many passes.
+    fn by_photons(&self, more: f64, factor: f64, passes: u32) -> f64 {
+        // Radii shrink: bias is proportional to the mean of their squares, variance to that of their reciprocals.
+        let n = f64::from(passes);
         let narrow = n / inverse_radius_squared_sum(passes, self.alpha);
         // Discs of derived radii contain as many photons of more paths, and are smaller.
-        let others = self.others / n;
-        let (narrow, wide) = (factor * narrow.sqrt(), factor * (wide / more).sqrt());
-        let error = others + self.variance.at(narrow) / n + self.bias_squared.at(wide) + self.hidden_at(wide);
-        [pass, error, others]
+        let (narrow, wide) = (factor * narrow.sqrt(), factor * (self.wide(passes) / more).sqrt());
+        self.variance.at(narrow) / n + self.bias_squared.at(wide) + self.hidden_at(wide)
+    }
+
+    /// The mean of the squared radii of so many passes, over that of the first.
+    fn wide(&self, passes: u32) -> f64 {
+        radius_squared_sum(passes, self.alpha) / f64::from(passes)
     }
 
     /// Where light is smooth, bias is as the squared radius: what is hidden at the greatest radius that was tried is little
@@ -154,6 +200,11 @@ impl Model {
         let [greatest, squared] = self.hidden;
         squared * (factor / greatest).powi(4)
     }
+}
+
+/// The number of passes that fit.
+fn count(seconds: f64, pass: f64) -> u32 {
+    (seconds / pass.max(f64::MIN_POSITIVE)).round().clamp(1.0, 1e9) as u32
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -274,7 +325,7 @@ mod tests {
         let direct = [noise(90).map(|x| 0.3 * x).collect(), noise(91).map(|x| 0.3 * x).collect()];
         for (trials, bias) in [(surface, 0.06_f64), (disc, 0.1)] {
             let all: Vec<&Trial> = trials.iter().collect();
-            let model = Model::new(&all, &reference, variance(&direct, &weights), &weights, [0.25, 0.5], 1.0);
+            let model = Model::new(&all, &reference, variance(&direct, &weights), &weights, ([0.25, 0.5], 0.0), 1.0);
             for factor in [1.4, 2.0] {
                 let passes = 100.0;
                 let seconds = 0.75 + 0.25 * factor * factor;
@@ -307,7 +358,7 @@ mod tests {
         let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, 0.0, (factor * 10.0) as u64));
         let all: Vec<&Trial> = trials.iter().collect();
         let (reference, weights) = (reference(&trials), vec![1.0; PIXELS]);
-        let model = Model::new(&all, &reference, 0.0, &weights, [0.25, 0.5], 1.0);
+        let model = Model::new(&all, &reference, 0.0, &weights, ([0.25, 0.5], 0.0), 1.0);
         let product = |i: usize| -> f64 { (0..2).map(|pass| trials[2].passes[pass][i] - reference[pass][i]).product() };
         let products: Vec<f64> = (0..PIXELS).map(|i| product(i).clamp(-MAX_BIAS_SQUARED, MAX_BIAS_SQUARED)).collect();
         let expected = HIDDEN * standard_error(&products);
@@ -351,7 +402,7 @@ mod tests {
             ..trial(Area::Surface, factor, 0.0, 0)
         });
         let all: Vec<&Trial> = trials.iter().collect();
-        let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
+        let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], ([0.25, 0.5], 0.0), 1.0);
         let ([once, coarse, _], [more, fine, _]) = (model.forecast(1.0, 1.4, 1e9), model.forecast(4.0, 1.4, 1e9));
         assert!((more - once - 3.0 * 0.5).abs() < 1e-12, "{more} {once}");
         assert!((coarse / 0.01 / 1.4_f64.powi(4) - 1.0).abs() < 1e-6 && (coarse / fine - 16.0).abs() < 1e-6, "{fine}");
@@ -368,7 +419,7 @@ mod tests {
         trial.passes.iter_mut().for_each(|pass| pass[7] = 30.0);
         let trials = [least, trial];
         let all: Vec<&Trial> = trials.iter().collect();
-        let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
+        let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], ([0.25, 0.5], 0.0), 1.0);
         // Without the limit it would be (4/3 · 29)² times as much.
         let [_, error, _] = model.forecast(1.0, 1.4, 1e9);
         // One of the means deviates, so that the standard error is the mean itself.
@@ -380,9 +431,30 @@ mod tests {
     fn with_time_bias_matters_more() {
         let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, 0.03, (factor * 10.0) as u64));
         let all: Vec<&Trial> = trials.iter().collect();
-        let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], [0.25, 0.5], 1.0);
+        let model = Model::new(&all, &reference(&trials), 0.0, &vec![1.0; PIXELS], ([0.25, 0.5], 0.0), 1.0);
         let error = |factor: f64, seconds: f64| model.forecast(1.0, factor, seconds)[1];
         assert!(error(2.0, 2.0) < error(0.7, 2.0) && error(2.0, 1e4) > error(0.7, 1e4));
+    }
+
+    /// With radii per pixel: the time of estimates with the greatest radius, and a part of the least error with as many passes.
+    #[test]
+    fn radii_per_pixel_have_fewer_passes_and_a_smaller_error_of_each() {
+        let trials = [0.7, 1.4, 2.0].map(|factor| trial(Area::Surface, factor, 0.03, (factor * 10.0) as u64));
+        let all: Vec<&Trial> = trials.iter().collect();
+        let weights = vec![1.0; PIXELS];
+        // Of the 0.25 · 2² seconds of the greatest radius, 0.1 are for camera paths.
+        let model = Model::new(&all, &reference(&trials), 0.5, &weights, ([0.25, 0.5], 0.1), 1.0);
+        let expected = |more: f64| 0.25 + more * 0.5 + 0.1 + 1.5 * 0.9;
+        assert!((model.seconds_of(7, Bandwidth::PerPixel) / 7.0 / expected(1.0) - 1.0).abs() < 1e-9);
+        let factors = [0.5, 0.7, 1.0, 1.4, 2.0];
+        for (more, passes) in [(1.0, 20.0), (4.0, 400.0)] {
+            let [pass, error, others] = model.forecast_per_pixel(more, &factors, passes * expected(more));
+            assert!((pass / expected(more) - 1.0).abs() < 1e-9 && (others * passes / 0.5 - 1.0).abs() < 1e-9);
+            let shared = factors.map(|factor| model.by_photons(more, factor, passes as u32));
+            let least = shared.into_iter().fold(f64::INFINITY, f64::min);
+            let part = (error - others) / least;
+            assert!((part - GAIN - SEARCH / passes).abs() < 1e-9 && least > 0.0, "{part}");
+        }
     }
 
     #[test]

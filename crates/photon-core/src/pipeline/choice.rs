@@ -24,7 +24,7 @@ pub struct Candidate {
     pub area: Area,
     /// [`crate::Settings::radius_factor`].
     pub radius_factor: f64,
-    /// [`crate::Settings::bandwidth`].
+    /// [`crate::Settings::bandwidth`]. If radii per pixel were given and not to be chosen, forecasts are those of shared radii.
     pub bandwidth: Bandwidth,
     /// [`crate::Settings::gather_rays`]; `None` without final gathering.
     pub gather_rays: Option<u32>,
@@ -43,8 +43,8 @@ pub struct Candidate {
 pub enum Goal {
     /// The least error after so many seconds of passes.
     Time(f64),
-    /// The least error after the time that so many passes with the present settings are expected to take; with final
-    /// gathering, passes with one ray.
+    /// The least error after the time that so many passes with the present settings are expected to take, without the seconds
+    /// that radii per pixel add; with final gathering, passes with one ray.
     Passes(u32),
     /// The least time until an error is expected, or the least error if that takes longer than allowed.
     Error {

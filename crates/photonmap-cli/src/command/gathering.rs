@@ -26,8 +26,10 @@ const MIN_MAP_SHARE: f64 = 0.5;
 /// Final gathering is chosen if its error is less than this part of the other: forecasts of both are not exact.
 const MUCH_LESS: f64 = 0.5;
 
-/// The same where each pixel would have a radius of its own, whose error is often smaller than its forecast.
+/// The same where radii per pixel were chosen, whose error is often smaller than its forecast, and where they were given: then
+/// forecasts are those of shared radii, and were up to four times the error that was measured.
 const MUCH_LESS_PER_PIXEL: f64 = 0.4;
+const MUCH_LESS_GIVEN: f64 = 0.25;
 
 /// Whether final gathering could be better than what was chosen, and whether finding out takes a small part of the time:
 /// `setup` is that of a pipeline, and `trials` are the seconds that the present choice took.
@@ -79,7 +81,8 @@ pub(super) fn choose<B: TransportBackend>(
     let other = renderer.choose(&scene.view(), Goal::Time(deadline.left()), open)?;
     let error = |choice: &Choice| choice.chosen().map(|chosen| chosen.error);
     let errors = other.as_ref().and_then(error).zip(error(&choice));
-    let is_better = errors.is_some_and(|(gathered, by_map)| is_much_less(gathered, by_map, choice.bandwidth));
+    let is_better =
+        errors.is_some_and(|(gathered, by_map)| gathered < by_map * most_part(settings.bandwidth, choice.bandwidth));
     match other {
         Some(mut other) if is_better => {
             let chosen = Settings { gather_rays: other.gather_rays.unwrap_or(gathers.gather_rays), ..gathers };
@@ -95,9 +98,14 @@ pub(super) fn choose<B: TransportBackend>(
     }
 }
 
-/// Whether the error of final gathering is much less than that of maps, if these would be read with this kind of radii.
-fn is_much_less(gathered: f64, by_map: f64, bandwidth: Bandwidth) -> bool {
-    gathered < by_map * if bandwidth == Bandwidth::PerPixel { MUCH_LESS_PER_PIXEL } else { MUCH_LESS }
+/// Final gathering is chosen if its error is less than this part of that of maps, which would be read with the chosen kind of
+/// radii.
+fn most_part(given: Bandwidth, chosen: Bandwidth) -> f64 {
+    match (given, chosen) {
+        (Bandwidth::PerPixel, _) => MUCH_LESS_GIVEN,
+        (_, Bandwidth::PerPixel) => MUCH_LESS_PER_PIXEL,
+        _ => MUCH_LESS,
+    }
 }
 
 /// All that were compared, by increasing error.
@@ -156,12 +164,9 @@ mod tests {
 
     #[test]
     fn final_gathering_has_to_be_much_better() {
-        for (bandwidth, part) in [(Bandwidth::Shared, 0.5), (Bandwidth::PerPixel, 0.4)] {
-            assert!(
-                is_much_less(0.99 * part * 3.0, 3.0, bandwidth) && !is_much_less(1.01 * part * 3.0, 3.0, bandwidth)
-            );
-            // Forecasts that are not numbers decide nothing.
-            assert!(!is_much_less(f64::NAN, 3.0, bandwidth) && !is_much_less(1.0, f64::NAN, bandwidth));
-        }
+        let [shared, per_pixel] = [Bandwidth::Shared, Bandwidth::PerPixel];
+        assert_eq!(most_part(shared, shared), 0.5);
+        assert_eq!(most_part(shared, per_pixel), 0.4);
+        assert_eq!(most_part(per_pixel, per_pixel), 0.25);
     }
 }

@@ -107,11 +107,10 @@ impl Comparison {
                     error,
                     direct_error,
                 };
-                if self.bandwidth == Bandwidth::Shared {
-                    let shared = |&factor| candidate(Bandwidth::Shared, factor, model.forecast(more, factor, seconds));
-                    candidates.extend(self.factors.iter().map(shared));
-                }
-                if self.bandwidth == Bandwidth::PerPixel || self.may_be_per_pixel {
+                // Radii per pixel that are given are not compared with shared ones, and have their forecasts.
+                let present = |&factor| candidate(self.bandwidth, factor, model.forecast(more, factor, seconds));
+                candidates.extend(self.factors.iter().map(present));
+                if self.may_be_per_pixel {
                     let forecast = model.forecast_per_pixel(more, &POSSIBLE_FACTORS, seconds);
                     candidates.push(candidate(Bandwidth::PerPixel, 1.0, forecast));
                 }
@@ -126,9 +125,7 @@ impl Comparison {
         match goal {
             Goal::Time(seconds) => seconds,
             // The first has the present kind of areas.
-            Goal::Passes(passes) => {
-                self.compared.first().map_or(0.0, |each| each.model.seconds_of(passes, self.bandwidth))
-            }
+            Goal::Passes(passes) => self.compared.first().map_or(0.0, |each| each.model.seconds_of(passes)),
             Goal::Error { error, most_seconds } => {
                 let longest = LONGEST.min(most_seconds);
                 let is_reached =

@@ -1,7 +1,7 @@
 //! The error that estimates with one kind of areas and one radius are expected to have after a given time.
 
 use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_sum};
-use crate::settings::{Area, Bandwidth};
+use crate::settings::Area;
 
 /// What one setting of the estimates gave in two passes, and what it took.
 pub(super) struct Trial {
@@ -142,12 +142,9 @@ impl Model {
         }
     }
 
-    /// The seconds of this many passes with the present number of paths and this kind of radii.
-    pub(super) fn seconds_of(&self, passes: u32, bandwidth: Bandwidth) -> f64 {
+    /// The seconds of this many passes with the present number of paths and shared radii.
+    pub(super) fn seconds_of(&self, passes: u32) -> f64 {
         let passes = passes.max(1);
-        if bandwidth == Bandwidth::PerPixel {
-            return f64::from(passes) * self.pass_per_pixel(1.0);
-        }
         f64::from(passes) * (self.photons[0] + self.photons[1] + self.seconds.at(self.wide(passes).sqrt()))
     }
 
@@ -445,7 +442,6 @@ mod tests {
         // Of the 0.25 · 2² seconds of the greatest radius, 0.1 are for camera paths.
         let model = Model::new(&all, &reference(&trials), 0.5, &weights, ([0.25, 0.5], 0.1), 1.0);
         let expected = |more: f64| 0.25 + more * 0.5 + 0.1 + 1.5 * 0.9;
-        assert!((model.seconds_of(7, Bandwidth::PerPixel) / 7.0 / expected(1.0) - 1.0).abs() < 1e-9);
         let factors = [0.5, 0.7, 1.0, 1.4, 2.0];
         for (more, passes) in [(1.0, 20.0), (4.0, 400.0)] {
             let [pass, error, others] = model.forecast_per_pixel(more, &factors, passes * expected(more));

@@ -24,7 +24,7 @@ pub struct Candidate {
     pub area: Area,
     /// [`crate::Settings::radius_factor`].
     pub radius_factor: f64,
-    /// [`crate::Settings::bandwidth`]. If radii per pixel were given and not to be chosen, forecasts are those of shared radii.
+    /// [`crate::Settings::bandwidth`]. If the settings already had [`Bandwidth::PerPixel`], forecasts are those of shared radii.
     pub bandwidth: Bandwidth,
     /// [`crate::Settings::gather_rays`]; `None` without final gathering.
     pub gather_rays: Option<u32>,

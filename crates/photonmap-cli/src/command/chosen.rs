@@ -198,6 +198,10 @@ impl ChosenSettings {
         if self.photons != choice.photons {
             let _ = writeln!(text, "more paths make passes longer: fewer of them may fit");
         }
+        let is_preset = matches!(self.purpose, Some(Purpose::Preset(_)));
+        if choice.bandwidth == Bandwidth::PerPixel && (self.given[3] || is_preset) {
+            let _ = writeln!(text, "forecasts are those of shared radii: with radii per pixel, passes take longer");
+        }
         let _ = writeln!(text, "\nforecasts of the relative error, and seconds of a pass:");
         let gathered = choice.candidates.iter().skip(SHOWN).find(|each| each.gather_rays.is_some());
         for candidate in choice.candidates.iter().take(SHOWN).chain(gathered) {
@@ -227,7 +231,8 @@ impl ChosenSettings {
             "options": self.with_passes(passes),
             // Time for passes; with --time for trials too, without what came before.
             "seconds": self.seconds,
-            // By increasing forecast of the relative error (root mean square) after that time.
+            // By increasing forecast of the relative error (root mean square) after that time; that of shared radii where radii per
+            // pixel were given, or are those of the preset.
             "candidates": candidates.map(|candidate| json!({
                 "photons": candidate.photons,
                 "area": candidate.area.name(),
@@ -300,6 +305,9 @@ mod tests {
                 let passes = if preset[1] == "final" { Preset::Final.passes() } else { Preset::Balanced.passes() };
                 assert_eq!(chosen.passes(), Some(passes), "the preset's own settings have its own passes");
             }
+            // Radii per pixel of a preset are forecast as if they were shared.
+            let per_pixel = chosen.settings.bandwidth == Bandwidth::PerPixel;
+            assert_eq!(chosen.table().contains("those of shared radii"), per_pixel, "{}", chosen.table());
             let options = chosen.with_passes(2);
             let (fixed, again) = made(&options.split(' ').collect::<Vec<_>>(), false);
             assert!(fixed.choice.is_none() && !fixed.is_told() && fixed.passes().is_none());

@@ -26,10 +26,12 @@ const MIN_MAP_SHARE: f64 = 0.5;
 /// Final gathering is chosen if its error is less than this part of the other: forecasts of both are not exact.
 const MUCH_LESS: f64 = 0.5;
 
-/// The same where radii per pixel were chosen, whose error is often smaller than its forecast, and where they were given: then
-/// forecasts are those of shared radii, and were up to four times the error that was measured.
+/// The same where radii per pixel were chosen, whose error is often smaller than its forecast.
 const MUCH_LESS_PER_PIXEL: f64 = 0.4;
-const MUCH_LESS_GIVEN: f64 = 0.25;
+
+/// The same where a preset has radii per pixel: their forecasts are those of shared radii, up to four times the error that was
+/// measured.
+const MUCH_LESS_PRESET: f64 = 0.25;
 
 /// Whether final gathering could be better than what was chosen, and whether finding out takes a small part of the time:
 /// `setup` is that of a pipeline, and `trials` are the seconds that the present choice took.
@@ -81,8 +83,8 @@ pub(super) fn choose<B: TransportBackend>(
     let other = renderer.choose(&scene.view(), Goal::Time(deadline.left()), open)?;
     let error = |choice: &Choice| choice.chosen().map(|chosen| chosen.error);
     let errors = other.as_ref().and_then(error).zip(error(&choice));
-    let is_better =
-        errors.is_some_and(|(gathered, by_map)| gathered < by_map * most_part(settings.bandwidth, choice.bandwidth));
+    let radii = [settings.bandwidth, choice.bandwidth];
+    let is_better = errors.is_some_and(|(gathered, by_map)| is_much_less(gathered, by_map, radii));
     match other {
         Some(mut other) if is_better => {
             let chosen = Settings { gather_rays: other.gather_rays.unwrap_or(gathers.gather_rays), ..gathers };
@@ -98,14 +100,14 @@ pub(super) fn choose<B: TransportBackend>(
     }
 }
 
-/// Final gathering is chosen if its error is less than this part of that of maps, which would be read with the chosen kind of
-/// radii.
-fn most_part(given: Bandwidth, chosen: Bandwidth) -> f64 {
-    match (given, chosen) {
-        (Bandwidth::PerPixel, _) => MUCH_LESS_GIVEN,
-        (_, Bandwidth::PerPixel) => MUCH_LESS_PER_PIXEL,
+/// Whether the error of final gathering is much less than that of maps, with the kind of radii before and after the choice.
+fn is_much_less(gathered: f64, by_map: f64, radii: [Bandwidth; 2]) -> bool {
+    let part = match radii {
+        [Bandwidth::PerPixel, _] => MUCH_LESS_PRESET,
+        [_, Bandwidth::PerPixel] => MUCH_LESS_PER_PIXEL,
         _ => MUCH_LESS,
-    }
+    };
+    gathered < by_map * part
 }
 
 /// All that were compared, by increasing error.
@@ -165,8 +167,10 @@ mod tests {
     #[test]
     fn final_gathering_has_to_be_much_better() {
         let [shared, per_pixel] = [Bandwidth::Shared, Bandwidth::PerPixel];
-        assert_eq!(most_part(shared, shared), 0.5);
-        assert_eq!(most_part(shared, per_pixel), 0.4);
-        assert_eq!(most_part(per_pixel, per_pixel), 0.25);
+        for (radii, part) in [([shared, shared], 0.5), ([shared, per_pixel], 0.4), ([per_pixel, per_pixel], 0.25)] {
+            assert!(is_much_less(0.99 * part * 3.0, 3.0, radii) && !is_much_less(1.01 * part * 3.0, 3.0, radii));
+            // Forecasts that are not numbers decide nothing.
+            assert!(!is_much_less(f64::NAN, 3.0, radii) && !is_much_less(1.0, f64::NAN, radii));
+        }
     }
 }

@@ -78,9 +78,10 @@ fn explain_tells_what_is_left_out() {
     let passes = options.iter().position(|option| *option == "--passes").unwrap();
     let explained = rooms(&options[..passes]);
     assert!(explained.split_once("left out:").unwrap().0.contains("final gathering"), "{line}");
+    // Within a second it is never tried, however fast the machine is.
     let others: [&[&str]; 4] = [
         &["--time", "600", "--indirect", "map"],
-        &["--time", "3"],
+        &["--time", "1"],
         &["--time", "600", "--errors"],
         &["--time", "600", "--bandwidth", "per-pixel"],
     ];

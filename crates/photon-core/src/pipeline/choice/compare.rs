@@ -107,7 +107,7 @@ impl Comparison {
                     error,
                     direct_error,
                 };
-                // Radii per pixel that are given are not compared with shared ones, and have their forecasts.
+                // Radii per pixel that were given are not compared with shared ones, and are forecast as if they were shared.
                 let present = |&factor| candidate(self.bandwidth, factor, model.forecast(more, factor, seconds));
                 candidates.extend(self.factors.iter().map(present));
                 if self.may_be_per_pixel {

@@ -17,7 +17,8 @@ const HARDLY_MORE: f64 = 1.15;
 const MANY_PASSES: f64 = 700.0;
 
 /// The best of the candidates, which are by increasing error, for this time; `now` is the present number of paths. `None` without
-/// a candidate that has this number.
+/// a candidate that has this number. The kinds of radii are compared after more paths were taken for each, which may raise an
+/// error by [`HARDLY_MORE`].
 pub(super) fn decide(candidates: &[Candidate], now: u32, seconds: f64) -> Option<Candidate> {
     let shared = best_with(candidates, Bandwidth::Shared, now);
     let per_pixel = best_with(candidates, Bandwidth::PerPixel, now);

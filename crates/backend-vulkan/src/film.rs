@@ -14,6 +14,7 @@ use crate::shaders;
 use crate::vulkan::Vulkan;
 
 mod backend;
+mod bandwidth;
 mod display;
 pub(crate) mod errors;
 mod read_back;
@@ -36,6 +37,8 @@ pub struct VulkanFilm {
     /// Scratch buffer: one vector per query, for stages that compute values per query.
     values: Option<Memory>,
     errors: Option<errors::Errors>,
+    /// What updates of the radii of pixels keep; allocated by the first one.
+    radii: Option<Memory>,
     /// Pixels as they are shown, a word each; allocated when they are first asked for.
     shown: Option<Memory>,
 }
@@ -109,6 +112,7 @@ impl VulkanFilm {
             first_sum,
             values: None,
             errors: None,
+            radii: None,
             shown: None,
         };
         film.note(on);
@@ -183,7 +187,7 @@ impl VulkanFilm {
 
     fn note(&self, on: &mut Vulkan) {
         let planes = self.layers.iter().flatten().map(|plane| plane.pass.bytes() + plane.sum.bytes());
-        let scratch: u64 = [&self.values, &self.shown].into_iter().flatten().map(Memory::bytes).sum();
+        let scratch: u64 = [&self.values, &self.shown, &self.radii].into_iter().flatten().map(Memory::bytes).sum();
         on.note_memory("film", planes.sum::<u64>() + scratch + self.first_pass.bytes() + self.first_sum.bytes());
         if let Some(errors) = &self.errors {
             on.note_memory("film: errors", errors.bytes());
@@ -280,7 +284,7 @@ pub(crate) fn clear(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
         on.fill_words(&plane.sum, 0, plane.sum.bytes(), 0)?;
     }
     errors::clear_sums(on, film)?;
-    film.passes = 0;
+    (film.passes, film.radii) = (0, None);
     on.fill_words(&film.first_sum, 0, film.first_sum.bytes(), 0)
 }
 

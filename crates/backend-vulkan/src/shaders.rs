@@ -11,6 +11,15 @@ pub(crate) static EXAMPLE_PHOTONS: Module =
 pub(crate) static FILM_ACCUMULATE: Module =
     Module { name: "film_accumulate", bytes: include_bytes!("../spirv/film_accumulate.spv") };
 
+pub(crate) static FILM_BANDWIDTH_BIAS: Module =
+    Module { name: "film_bandwidth_bias", bytes: include_bytes!("../spirv/film_bandwidth_bias.spv") };
+
+pub(crate) static FILM_BANDWIDTH_CHANGE: Module =
+    Module { name: "film_bandwidth_change", bytes: include_bytes!("../spirv/film_bandwidth_change.spv") };
+
+pub(crate) static FILM_BANDWIDTH_FACTOR: Module =
+    Module { name: "film_bandwidth_factor", bytes: include_bytes!("../spirv/film_bandwidth_factor.spv") };
+
 pub(crate) static FILM_DISPLAY: Module =
     Module { name: "film_display", bytes: include_bytes!("../spirv/film_display.spv") };
 
@@ -237,10 +246,13 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// All of them.
-pub(crate) static ALL: [&Module; 82] = [
+pub(crate) static ALL: [&Module; 85] = [
     &DEVICE_COPY,
     &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
+    &FILM_BANDWIDTH_BIAS,
+    &FILM_BANDWIDTH_CHANGE,
+    &FILM_BANDWIDTH_FACTOR,
     &FILM_DISPLAY,
     &FILM_END,
     &FILM_END_ERRORS,

@@ -45,6 +45,7 @@ pub use pipeline::parallel_blocks::render_blocks_in_parallel;
 pub use pipeline::render::{Facts, Outcome, PassEnd, Render, render};
 pub use pipeline::{Pipeline, QUERIES_PER_PIXEL};
 pub use projection::{NoProjection, ProjectionDisc, ProjectionMap, ProjectionSample, ProjectionTarget};
+pub use radius::bandwidth::{PixelRadii, RadiusUpdate};
 pub use radius::neighbour_radius;
 pub use radius::progressive::{inverse_radius_squared_sum, radius_squared_factor, radius_squared_sum};
 pub use radius::schedule::Schedule;

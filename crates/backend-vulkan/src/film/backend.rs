@@ -1,7 +1,8 @@
 //! The film methods that the backend trait requires.
 
 use photon_core::{
-    Display, DisplayImage, ErrorMoments, Estimate, Film, FilmBackend, Layer, MapKind, Query, Result, SceneView,
+    Display, DisplayImage, ErrorMoments, Estimate, Film, FilmBackend, Layer, MapKind, Query, RadiusUpdate, Result,
+    SceneView,
 };
 
 use super::VulkanFilm;
@@ -56,6 +57,15 @@ impl FilmBackend for Vulkan {
 
     fn read_film(&mut self, film: &VulkanFilm) -> Result<Film> {
         super::read(self, film)
+    }
+
+    fn update_radii(
+        &mut self,
+        film: &mut VulkanFilm,
+        update: &RadiusUpdate,
+        factors: &mut Option<VulkanBuffer<u32>>,
+    ) -> Result<bool> {
+        super::bandwidth::update(self, film, update, factors)
     }
 
     fn read_display(&mut self, film: &mut VulkanFilm, display: &Display, clamp: bool) -> Result<DisplayImage> {

@@ -79,6 +79,16 @@ impl Errors {
         self.pass.bytes() + self.sum.bytes() + photon_moments.sum::<u64>()
     }
 
+    /// Address of the sums of bias and narrow estimates.
+    pub(super) fn sum_address(&self) -> u64 {
+        self.sum.address()
+    }
+
+    /// Address of the sums of a map's photon moments; 0 if it was not read.
+    pub(super) fn photon_moments_address(&self, kind: MapKind) -> u64 {
+        self.photon_moments[kind].as_ref().map_or(0, |(_, sum)| sum.address())
+    }
+
     /// Buffers of the sums.
     fn sums(&self) -> impl Iterator<Item = &Memory> {
         std::iter::once(&self.sum).chain(self.photon_moments.values().flatten().map(|(_, sum)| sum))

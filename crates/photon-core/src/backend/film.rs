@@ -5,6 +5,7 @@ use crate::backend::stages::no_errors;
 use crate::error::Result;
 use crate::film::display::{Display, DisplayImage};
 use crate::film::{Film, Layer};
+use crate::radius::bandwidth::RadiusUpdate;
 use crate::requirements::map_kind::MapKind;
 use crate::scene::SceneView;
 use crate::scene::layout::{ErrorMoments, Estimate, Query};
@@ -84,6 +85,22 @@ pub trait FilmBackend: Backend {
     /// # Errors
     /// Deferred errors surface here.
     fn read_film(&mut self, film: &Self::Film) -> Result<Film>;
+
+    /// Updates the factors on the radii of pixels from the error statistics of the film, as [`crate::PixelRadii::learn`] does:
+    /// `factors` are bits of `f32`, the last ones that this method returned, `None` for the factor 1 in all pixels. Returns
+    /// whether it did: by default not, and the host does it from the whole film. A backend does so for all updates of a film
+    /// or for none.
+    ///
+    /// # Errors
+    /// [`crate::Error::OutOfMemory`], [`crate::Error::DeviceLost`].
+    fn update_radii(
+        &mut self,
+        _film: &mut Self::Film,
+        _update: &RadiusUpdate,
+        _factors: &mut Option<Self::Buffer<u32>>,
+    ) -> Result<bool> {
+        Ok(false)
+    }
 
     /// Reads back the picture so far as it is shown; with `clamp`, radiance is clamped to `[0, 1]` before the exposure.
     /// Blocks. By default made of the whole film.

@@ -1,6 +1,8 @@
 //! The choice of areas, radii, photons and gather rays for a time or an error, by trials.
 
+mod bias;
 mod compare;
+mod curve;
 mod decide;
 mod forecast;
 mod trials;
@@ -182,7 +184,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 self.on.keep_errors(&mut self.film)?;
                 self.error_moments = Some(self.on.alloc("spreads", self.queries_of(self.view))?);
             }
-            self.bandwidth = Self::own_radii(&self.settings, &self.view);
+            self.bandwidth = Self::own_radii(&self.settings);
         }
         Ok(())
     }

@@ -61,8 +61,8 @@ impl<B: TransportBackend> Pipeline<B> {
         self.maps.iter_mut().for_each(|slot| slot.radius = radius);
         self.schedule = Schedule::new(self.settings.alpha);
         (self.passes, self.contains, self.cut, self.tally) = (0, PassSet::default(), false, FilmTally::default());
-        self.points = None;
-        self.bandwidth = Self::own_radii(&self.settings, &self.view);
+        (self.points, self.read) = (None, None);
+        self.bandwidth = Self::own_radii(&self.settings);
         if let Some((plan, batch)) = self.cap {
             (self.settings.photons, self.batch) = (self.asked, batch);
             self.fit(plan)?;

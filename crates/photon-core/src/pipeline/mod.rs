@@ -29,7 +29,7 @@ use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::scene::layout::{ErrorMoments, Estimate, PhotonRay, Query};
 use crate::scene::units::Units;
-use crate::settings::{Bandwidth, Settings};
+use crate::settings::Settings;
 
 /// Index of the pass from which radii are derived; no pass of a picture has this index.
 const PILOT_PASS: u32 = u32::MAX;
@@ -80,6 +80,8 @@ pub struct Pipeline<B: TransportBackend> {
     estimates: Option<B::Buffer<Estimate>>,
     error_moments: Option<B::Buffer<ErrorMoments>>,
     points: Option<irradiance::Points<B>>,
+    /// The film as it was read for a forecast after the last pass.
+    read: Option<Film>,
     /// If each pixel has its own radius; the factors once they are known.
     bandwidth: Option<(bandwidth::Radii, Option<B::Buffer<u32>>)>,
 }
@@ -91,6 +93,7 @@ mod end;
 mod estimate;
 mod fit;
 mod irradiance;
+mod own_radii;
 mod photon_format;
 mod photons;
 mod pilot;
@@ -238,7 +241,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let error_moments =
             if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
         let schedule = Schedule::new(settings.alpha);
-        let own_radii = Self::own_radii(&settings, &view);
+        let own_radii = Self::own_radii(&settings);
         let mut pipeline = Self {
             maps: MapSlot::of(&required.maps, stages.gloss_caustics.is_some(), radii::given(&settings, &scene.units)),
             units: scene.units,
@@ -269,6 +272,7 @@ impl<B: TransportBackend> Pipeline<B> {
             estimates,
             error_moments,
             points: None,
+            read: None,
             bandwidth: own_radii,
         };
         match pipeline.cap {
@@ -286,14 +290,6 @@ impl<B: TransportBackend> Pipeline<B> {
     fn queries_of(&self, view: View) -> u64 {
         let per_pixel = if self.required.features.splits_camera_paths() { u64::from(QUERIES_PER_PIXEL) } else { 1 };
         u64::from(view.width) * u64::from(view.height) * per_pixel
-    }
-
-    /// The factors on radii, if each pixel has its own.
-    fn own_radii(settings: &Settings, view: &View) -> Option<(bandwidth::Radii, Option<B::Buffer<u32>>)> {
-        (settings.bandwidth == Bandwidth::PerPixel).then(|| {
-            let pixels = view.width as usize * view.height as usize;
-            (bandwidth::Radii::new(pixels, settings.alpha, settings.kernel.second_radius_noise()), None)
-        })
     }
 
     fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
@@ -354,13 +350,17 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         }
         // Until the pass has succeeded.
         self.state = State::PassFailed;
+        self.read = None;
         let end = self.whole_pass(index, observer)?;
         self.state = State::Ready;
         Ok(end)
     }
 
     fn film(&mut self) -> Result<Film> {
-        let mut film = self.on.read_film(&self.film)?;
+        let mut film = match self.read.take() {
+            Some(film) => film,
+            None => self.on.read_film(&self.film)?,
+        };
         film.clamp = self.settings.estimator.clamps();
         (film.contains, film.cut, film.tally) = (self.contains.clone(), self.cut, self.tally.clone());
         Ok(film)
@@ -405,8 +405,12 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         if !self.settings.errors {
             return Ok(None);
         }
-        let film = self.on.read_film(&self.film)?;
+        let film = match self.read.take() {
+            Some(film) => film,
+            None => self.on.read_film(&self.film)?,
+        };
         let intervals = film.confidence_intervals().unwrap_or_default();
+        self.read = Some(film);
         Ok(ErrorModel::new(&intervals, self.schedule, share, self.settings.kernel.second_radius_noise()))
     }
 
@@ -474,10 +478,7 @@ impl<B: TransportBackend> Pipeline<B> {
         self.contains.merge(&this)?;
         self.cut |= sent.cut;
         self.schedule.add(index);
-        if let Some((radii, factors)) = self.bandwidth.as_mut().filter(|(radii, _)| radii.is_due(self.passes)) {
-            radii.learn(&self.on.read_film(&self.film)?);
-            *factors = Some(self.on.upload("radii of pixels", &radii.bits())?);
-        }
+        self.update_own_radii()?;
         let mut radius = PerMap::default();
         for slot in self.maps.iter().filter(|slot| !slot.reflected) {
             let normalised = radii::gather(&self.settings, slot.radius, index).radius_scale;

@@ -136,7 +136,8 @@ pub struct Outcome {
     pub last: Option<PassReport>,
     /// Whether the observer stopped it before its budget was spent.
     pub cancelled: bool,
-    /// The first forecast, if errors are estimated and there were at least 8 passes.
+    /// The first forecast, if errors are estimated and there were at least 8 passes; with a limit on time, and unless radii or
+    /// the end depend on it, the first one after a second, or that at the end.
     pub predicted: Option<Forecast>,
     /// The forecast at the end, likewise.
     pub reached: Option<Forecast>,
@@ -169,6 +170,10 @@ const SHARE: f64 = 0.95;
 
 /// Number of passes before the first forecast.
 const FORECAST_PASSES: u32 = 8;
+
+/// With a limit on time, a forecast that nothing depends on is made after this time: it reads the whole film, which may take
+/// as long as many passes of a GPU.
+const FORECAST_TIME: Duration = Duration::from_secs(1);
 
 /// Renders passes until the budget is spent or the observer asks to stop.
 ///
@@ -206,6 +211,10 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
             break;
         }
         if outcome.passes == next_look {
+            if plan.time().is_some() && clock.elapsed() < FORECAST_TIME && !adapts(renderer, &plan) {
+                next_look = next_look.saturating_mul(2);
+                continue;
+            }
             let forecast = look(renderer, &plan, &outcome, &clock)?;
             next_look = after(&plan, outcome.passes, forecast.as_ref());
             let Some(forecast) = forecast else {
@@ -230,8 +239,14 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
     }
     if outcome.passes >= FORECAST_PASSES {
         outcome.reached = look(renderer, &plan, &outcome, &clock)?;
+        outcome.predicted = outcome.predicted.or(outcome.reached);
     }
     Ok(outcome)
+}
+
+/// Whether anything depends on the first forecast: radii that are adapted to it, or the end.
+fn adapts(renderer: &mut dyn Render, plan: &Plan) -> bool {
+    matches!(plan.until, Budget::Error { .. }) || matches!(plan.until, Budget::Time(_)) && renderer.rescale(1.0)
 }
 
 /// Shows the observer what it wants to see.

@@ -33,42 +33,108 @@ pub(crate) struct Radii {
     share: f64,
     /// Passes in the film when factors were last computed.
     then: u32,
-    /// Sums of the bias and of its square at that time.
-    before: Vec<[f64; 2]>,
-    /// Factors on r².
-    factors: Vec<f64>,
+    /// The factors, unless the backend computes them.
+    state: Option<PixelRadii>,
 }
 
 impl Radii {
     /// The factor 1 for all pixels.
-    pub(crate) fn new(pixels: usize, alpha: f64, share: f64) -> Self {
-        Self { alpha, share, then: 0, before: vec![[0.0; 2]; pixels], factors: vec![1.0; pixels] }
+    pub(crate) fn new(alpha: f64, share: f64) -> Self {
+        Self { alpha, share, then: 0, state: None }
     }
 
-    /// Whether factors are to be computed after this many passes.
-    pub(crate) fn is_due(&self, passes: u32) -> bool {
-        passes >= FIRST && passes >= 2 * self.then
+    /// The update that is to be made after this many passes, if there is one.
+    pub(crate) fn due(&self, passes: u32) -> Option<RadiusUpdate> {
+        (passes >= FIRST && passes >= 2 * self.then).then(|| {
+            let [bias, noise] = self.outlook(passes);
+            RadiusUpdate { passes, since: passes - self.then, bias, noise: noise / (self.share * self.share) }
+        })
     }
 
-    /// Factors on the radius of each pixel, as bits of `f32`.
-    pub(crate) fn bits(&self) -> Vec<u32> {
+    /// Makes the update on the host; returns factors on the radius of each pixel, as bits of `f32`.
+    pub(crate) fn learn(&mut self, film: &Film, update: &RadiusUpdate) -> Vec<u32> {
+        let state = self.state.get_or_insert_with(|| PixelRadii::new(film.pixels.len()));
+        state.learn(film, update);
+        state.bits()
+    }
+
+    /// An update was made, by the host or by the backend.
+    pub(crate) fn updated(&mut self, update: &RadiusUpdate) {
+        self.then = update.passes;
+    }
+
+    /// Factors by which bias and squared noise change from the passes since the last update to twice as
+    /// many passes as there are now, with the present factors.
+    fn outlook(&self, passes: u32) -> [f64; 2] {
+        let (count, all) = (f64::from(passes - self.then), f64::from(2 * passes));
+        let window = |of: fn(u32, f64) -> f64| of(passes, self.alpha) - of(self.then, self.alpha);
+        let whole = |of: fn(u32, f64) -> f64| of(2 * passes, self.alpha);
+        let bias = whole(radius_squared_sum) / all / (window(radius_squared_sum) / count);
+        let noise =
+            whole(inverse_radius_squared_sum) / (all * all) / (window(inverse_radius_squared_sum) / (count * count));
+        [bias, noise]
+    }
+}
+
+/// An update of the radii of pixels from the passes since the last one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RadiusUpdate {
+    /// Passes in the film, at least 8.
+    pub passes: u32,
+    /// Passes since the last update, at least 4.
+    pub since: u32,
+    /// The bias with the present factors after twice as many passes as there are now, over that of the passes since the last
+    /// update.
+    pub bias: f64,
+    /// The squared noise of the picture after as many passes, over the squared standard error of [`ErrorPixel::bias`] in
+    /// the passes since the last update.
+    pub noise: f64,
+}
+
+impl RadiusUpdate {
+    /// An update after `passes` passes, `since` of which are new; the other values as in the fields.
+    #[must_use]
+    pub const fn new(passes: u32, since: u32, [bias, noise]: [f64; 2]) -> Self {
+        Self { passes, since, bias, noise }
+    }
+}
+
+/// Factors on the squared radius of each pixel, computed on the host from films.
+#[derive(Clone, Debug)]
+pub struct PixelRadii {
+    /// Sums of the bias and of its square at the last update.
+    before: Vec<[f64; 2]>,
+    factors: Vec<f64>,
+}
+
+impl PixelRadii {
+    /// The factor 1 for all pixels.
+    #[must_use]
+    pub fn new(pixels: usize) -> Self {
+        Self { before: vec![[0.0; 2]; pixels], factors: vec![1.0; pixels] }
+    }
+
+    /// Factors on the radius of each pixel, as bits of `f32`: what [`crate::TransportBackend::scale_radii`] takes.
+    #[must_use]
+    pub fn bits(&self) -> Vec<u32> {
         self.factors.iter().map(|factor| (factor.sqrt() as f32).to_bits()).collect()
     }
 
-    /// Updates the factors from the passes since the last update.
-    pub(crate) fn learn(&mut self, film: &Film) {
+    /// Updates the factors. Nothing changes without error statistics of as many pixels.
+    pub fn learn(&mut self, film: &Film, update: &RadiusUpdate) {
         let (Some(errors), Some(interval)) = (&film.errors, film.interval()) else { return };
-        let passes = film.passes - self.then;
-        let sums = parallel::collect(errors.len(), |pixel| tell(&errors[pixel], self.before[pixel], passes));
-        let (bias, noise) = self.outlook(film.passes);
+        if errors.len() != self.factors.len() {
+            return;
+        }
+        let sums = parallel::collect(errors.len(), |pixel| tell(&errors[pixel], self.before[pixel], update.since));
         let (width, height) = (film.width as usize, film.height as usize);
         let steps = parallel::collect(sums.len(), |pixel| {
             let around = |[sum, square]: [f64; 2], other: usize| [sum + sums[other][0], square + sums[other][1]];
             let [bias_squared, difference] = neighbours(pixel, width, height, REACH).fold([0.0; 2], around);
-            let noise_squared = difference / (self.share * self.share) * noise;
             // The square of the mean difference contains its own variance.
-            let bias_squared = (bias_squared - difference).max(0.0) * bias * bias;
-            let step = step(noise_squared, bias_squared);
+            let bias_squared = (bias_squared - difference).max(0.0) * update.bias * update.bias;
+            let step = step(difference * update.noise, bias_squared);
             let edge = [Flags::OTHER_SURFACE, Flags::UNEVEN, Flags::CURVED];
             // Across an edge a second radius is a poor measure of the bias: do not increase the radius there.
             let flags = interval(pixel).reasons();
@@ -83,20 +149,7 @@ impl Radii {
                 *factor = (*factor * libm::exp(around.0 / around.1)).clamp(BOUNDS[0], BOUNDS[1]);
             }
         });
-        self.then = film.passes;
         self.before = errors.iter().map(|error| [error.bias, error.bias_square]).collect();
-    }
-
-    /// Factors by which bias and squared noise change from the passes since the last update to twice as
-    /// many passes as there are now, with the present factors.
-    fn outlook(&self, passes: u32) -> (f64, f64) {
-        let (count, all) = (f64::from(passes - self.then), f64::from(2 * passes));
-        let window = |of: fn(u32, f64) -> f64| of(passes, self.alpha) - of(self.then, self.alpha);
-        let whole = |of: fn(u32, f64) -> f64| of(2 * passes, self.alpha);
-        let bias = whole(radius_squared_sum) / all / (window(radius_squared_sum) / count);
-        let noise =
-            whole(inverse_radius_squared_sum) / (all * all) / (window(inverse_radius_squared_sum) / (count * count));
-        (bias, noise)
     }
 }
 
@@ -149,17 +202,25 @@ mod tests {
         film
     }
 
+    /// Factors on r² after the update that is due.
+    fn learned(radii: &mut Radii, passes: u32, bias: f64, deviation: f64) -> Vec<f64> {
+        let update = radii.due(passes).unwrap();
+        let bits = radii.learn(&film(passes, bias, deviation), &update);
+        radii.updated(&update);
+        bits.into_iter().map(|bits| f64::from(f32::from_bits(bits)).powi(2)).collect()
+    }
+
     #[test]
     fn factors_lead_to_where_the_error_is_least() {
         // Differences with deviation 1/2 in each of 8 passes: the noise² after 16 passes is 1/16.
         for (bias, expected) in
             [(0.2, (1.0_f64 / 16.0 / (2.0 * 0.04 - 2.0 * 0.25 / 7.0)).cbrt()), (0.0, STEP), (9.0, 1.0 / STEP)]
         {
-            let mut radii = Radii::new(64, 1.0, 0.5);
-            assert!(!radii.is_due(7) && radii.is_due(8));
-            radii.learn(&film(8, bias, 0.5));
-            assert!(!radii.is_due(15) && radii.is_due(16));
-            for &factor in &radii.factors {
+            let mut radii = Radii::new(1.0, 0.5);
+            assert_eq!(radii.due(7), None);
+            let factors = learned(&mut radii, 8, bias, 0.5);
+            assert!(radii.due(15).is_none() && radii.due(16).is_some());
+            for &factor in &factors {
                 // 7 degrees of freedom instead of 8.
                 assert!((factor / expected.clamp(1.0 / STEP, STEP) - 1.0).abs() < 0.06, "{bias}: {factor} {expected}");
             }
@@ -168,13 +229,12 @@ mod tests {
 
     #[test]
     fn what_is_still_comes_out_still() {
-        let mut radii = Radii::new(64, 2.0 / 3.0, 0.5);
-        radii.learn(&film(8, 0.0, 0.0));
-        assert!(radii.factors.iter().all(|&factor| factor == 1.0));
+        let mut radii = Radii::new(2.0 / 3.0, 0.5);
+        assert_eq!(learned(&mut radii, 8, 0.0, 0.0), [1.0; 64]);
+        let mut last = Vec::new();
         for passes in [16, 32, 64, 128, 256] {
-            radii.learn(&film(passes, 0.0, 1.0));
+            last = learned(&mut radii, passes, 0.0, 1.0);
         }
-        assert!(radii.factors.iter().all(|&factor| (factor - BOUNDS[1]).abs() < 1e-9));
-        assert_eq!(f32::from_bits(radii.bits()[5]), 8.0_f32.sqrt());
+        assert!(last.iter().all(|&factor| (factor - BOUNDS[1]).abs() < 1e-6), "{last:?}");
     }
 }

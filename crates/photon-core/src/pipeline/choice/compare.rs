@@ -1,7 +1,8 @@
 //! The candidates of a choice, with what trials say about each.
 
 use super::super::Pipeline;
-use super::forecast::{Model, Trial, reference, variance, weights, with_gather_rays};
+use super::bias::reference;
+use super::forecast::{Model, Trial, variance, weights, with_gather_rays};
 use super::{Candidate, Choice, Goal, Open};
 use crate::backend::TransportBackend;
 use crate::backend::stages::View;

@@ -8,8 +8,9 @@ use crate::settings::{Area, Bandwidth};
 /// than noise.
 const CLEARLY_LESS: f64 = 0.85;
 
-/// More paths are chosen if a pass takes at most this many times as long, and the error is at most this many times as large: two
-/// passes hardly show rare bright photons, of which more are found, or the bias of narrow features.
+/// The next larger number of paths is chosen if a pass takes at most this many times as long, and so on as long as the error is at
+/// most this many times that of the best: two passes hardly show rare bright photons, of which more are found, or the bias of
+/// narrow features.
 const HARDLY_LONGER: f64 = 1.25;
 const HARDLY_MORE: f64 = 1.15;
 
@@ -38,13 +39,14 @@ fn best_with(candidates: &[Candidate], bandwidth: Bandwidth, now: u32) -> Option
     let best = other.filter(|other| other.error < CLEARLY_LESS * best.error).unwrap_or(best);
     let is_like =
         |each: &&Candidate| (each.area, each.bandwidth, each.gather_rays) == (best.area, bandwidth, best.gather_rays);
-    candidates
-        .iter()
-        .filter(|each| each.photons >= best.photons && is_like(each))
-        .filter(|each| each.seconds <= HARDLY_LONGER * best.seconds && each.error <= HARDLY_MORE * best.error)
-        .max_by(|a, b| a.photons.cmp(&b.photons).then(b.error.total_cmp(&a.error)))
-        .copied()
-        .or(Some(best))
+    // One step after the other, since each may take hardly longer than the one before.
+    let next = |from: &Candidate| {
+        let more = candidates.iter().filter(|each| each.photons > from.photons && is_like(each));
+        more.filter(|each| each.seconds <= HARDLY_LONGER * from.seconds && each.error <= HARDLY_MORE * best.error)
+            .min_by(|a, b| a.photons.cmp(&b.photons).then(a.error.total_cmp(&b.error)))
+            .copied()
+    };
+    std::iter::successors(Some(best), next).last()
 }
 
 /// The best of some candidates; discs only if they are clearly better.
@@ -95,7 +97,7 @@ mod tests {
         assert_eq!(decide(&[candidate(500, Area::Disc, 1.0)], 1000, 1.0), None);
     }
 
-    /// Of several such numbers the largest, with the best radius.
+    /// Of several such numbers the largest, with the best radius; one after the other.
     #[test]
     fn more_paths_are_taken_if_they_take_hardly_longer() {
         let best = candidate(1000, Area::Surface, 1.0);
@@ -111,9 +113,11 @@ mod tests {
             let expected = if is_chosen { other } else { best };
             assert_eq!(decided(&[best, other]), expected, "{other:?}");
         }
-        let fewer = Candidate { photons: 2000, ..more(0.0101, 1.0) };
-        let wide = Candidate { radius_factor: 1.4, ..more(0.0114, 1.13) };
-        assert_eq!(decided(&[best, fewer, more(0.0114, 1.14), wide]), wide);
+        let fewer = Candidate { photons: 2000, ..more(0.0114, 1.0) };
+        let wide = Candidate { radius_factor: 1.4, ..more(0.0139, 1.13) };
+        assert_eq!(decided(&[best, fewer, more(0.0139, 1.14), wide]), wide, "each step is a small one");
+        assert_eq!(decided(&[best, fewer, more(0.0144, 1.0)]), fewer);
+        assert_eq!(decided(&[best, fewer, more(0.0139, 1.16)]), fewer);
     }
 
     #[test]

@@ -13,7 +13,7 @@ layout(local_size_x_id = 1) in;
 float added(uint plane, uint before, uint pixel) {
     float high = error_sum(plane, pixel);
     float low = error_sum(plane + ERROR_LOW, pixel);
-    float sum = (high - radii_read(before, pixel)) + (low - radii_read(before + 1u, pixel));
+    precise float sum = (high - radii_read(before, pixel)) + (low - radii_read(before + 1u, pixel));
     radii_write(before, pixel, high);
     radii_write(before + 1u, pixel, low);
     return sum;
@@ -25,5 +25,6 @@ void main() {
     float mean = added(ERROR_BIAS, BEFORE_BIAS, pixel) / push.since;
     float square = added(ERROR_BIAS_SQUARE, BEFORE_BIAS_SQUARE, pixel) / push.since;
     radii_write(BIAS_SQUARED, pixel, mean * mean);
-    radii_write(BIAS_VARIANCE, pixel, max(square - mean * mean, 0.0) / (push.since - 1.0));
+    precise float spread = square - mean * mean;
+    radii_write(BIAS_VARIANCE, pixel, max(spread, 0.0) / (push.since - 1.0));
 }

@@ -33,7 +33,8 @@ bool exceeds(float a, float a_error, float b, float b_error) {
 vec2 mean_and_error(uint sum, uint square_sum, uint pixel) {
     float mean = error_sum(sum, pixel) / push.passes;
     float square = error_sum(square_sum, pixel) / push.passes;
-    return vec2(mean, sqrt(max(square - mean * mean, 0.0) / (push.passes - 1.0)));
+    precise float spread = square - mean * mean;
+    return vec2(mean, sqrt(max(spread, 0.0) / (push.passes - 1.0)));
 }
 
 // The sum over passes and channels of a layer.
@@ -43,7 +44,8 @@ float layer(Planes sums, uint pixel) {
     return sum;
 }
 
-// Whether the interval of the pixel has to allow for an edge: `ConfidenceInterval::reasons`.
+// Whether the interval of the pixel has to allow for an edge: `ConfidenceInterval::reasons`. Of pixels where only stray photons
+// were found it is not asked whether their surface could store any.
 bool has_edge(uint pixel) {
     vec2 wide = mean_and_error(ERROR_BIAS, ERROR_BIAS_SQUARE, pixel);
     vec2 narrow = 2.0 * mean_and_error(ERROR_NARROW, ERROR_NARROW_SQUARE, pixel);

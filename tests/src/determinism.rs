@@ -76,6 +76,42 @@ pub fn pictures_do_not_depend_on_batches<T: TestBackend>() {
     assert!(matches!(within(0), Err(Error::InvalidSetting { name: "batch", .. })));
 }
 
+/// A forecast between passes reads the film; what is returned afterwards is that of all passes, also after a restart.
+pub fn forecasts_change_nothing<T: TestBackend>() {
+    let scene = photon_scene::builtin("cornell").unwrap().build().unwrap();
+    let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+    let settings = Settings { photons: 2000, errors: true, seed: 5, ..Settings::default() };
+    let films = |forecasts: bool| {
+        let mut renderer = Pipeline::new(T::make(2), &scene.view(), view, settings.clone()).unwrap();
+        let look = |renderer: &mut Pipeline<T::On>| {
+            if forecasts {
+                renderer.model(0.95).unwrap();
+                renderer.model(0.9).unwrap();
+            }
+        };
+        let mut films = Vec::new();
+        for seed in [5, 6] {
+            for passes in [0..8, 8..9] {
+                for index in passes {
+                    renderer.pass(index, &mut ()).unwrap();
+                }
+                look(&mut renderer);
+                films.push(renderer.film().unwrap());
+                look(&mut renderer);
+            }
+            if seed == 5 {
+                renderer.restart(&scene.view(), 6).unwrap();
+            }
+        }
+        renderer.take().unwrap();
+        films.push(renderer.film().unwrap());
+        films
+    };
+    let plain = films(false);
+    assert!(plain == films(true));
+    assert!(plain.iter().map(|film| film.passes).eq([8, 9, 8, 9, 0]) && plain[0] != plain[2]);
+}
+
 /// Requirements that include more than the scene needs change no bit; requirements that include less are an error.
 pub fn wider_requirements_change_nothing<T: TestBackend>() {
     for name in ["cornell", "ring", "cornell-glass", "textures", "gloss", "sky", "many-lights"] {

@@ -285,6 +285,7 @@ pub(crate) fn clear(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
     }
     errors::clear_sums(on, film)?;
     (film.passes, film.radii) = (0, None);
+    film.note(on);
     on.fill_words(&film.first_sum, 0, film.first_sum.bytes(), 0)
 }
 

@@ -51,7 +51,7 @@ impl<B: TransportBackend> Pipeline<B> {
             return Err(Error::InvalidInput { what: "scene", index: 0, why });
         }
         self.recover()?;
-        self.state = State::RestartFailed;
+        (self.state, self.read) = (State::RestartFailed, None);
         self.film = self.on.film(scene, self.view.width, self.view.height)?;
         if self.settings.errors {
             self.on.keep_errors(&mut self.film)?;
@@ -61,7 +61,7 @@ impl<B: TransportBackend> Pipeline<B> {
         self.maps.iter_mut().for_each(|slot| slot.radius = radius);
         self.schedule = Schedule::new(self.settings.alpha);
         (self.passes, self.contains, self.cut, self.tally) = (0, PassSet::default(), false, FilmTally::default());
-        (self.points, self.read) = (None, None);
+        self.points = None;
         self.bandwidth = Self::own_radii(&self.settings);
         if let Some((plan, batch)) = self.cap {
             (self.settings.photons, self.batch) = (self.asked, batch);

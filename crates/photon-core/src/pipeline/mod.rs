@@ -29,7 +29,7 @@ use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::scene::layout::{ErrorMoments, Estimate, PhotonRay, Query};
 use crate::scene::units::Units;
-use crate::settings::Settings;
+use crate::settings::{Bandwidth, Settings};
 
 /// Index of the pass from which radii are derived; no pass of a picture has this index.
 const PILOT_PASS: u32 = u32::MAX;
@@ -97,6 +97,7 @@ mod own_radii;
 mod photon_format;
 mod photons;
 mod pilot;
+mod read;
 mod slot;
 
 use slot::{MapSlot, State};
@@ -222,7 +223,9 @@ impl<B: TransportBackend> Pipeline<B> {
                 // As they are found, and one after another.
                 let reflection = if stages.gloss_caustics.is_some() { 2 * size_of::<Query>() } else { 0 };
                 let query = costs.query + (moments + reflection) as u64;
-                let picture = pixels * (costs.pixel + copy as u64 + per_pixel * query);
+                // Factors on radii of each pixel, and seven words for their updates.
+                let radii = if settings.bandwidth == Bandwidth::PerPixel { size_of::<[u32; 8]>() } else { 0 };
+                let picture = pixels * (costs.pixel + (copy + radii) as u64 + per_pixel * query);
                 Some(MemoryPlan::new(cap, tables.saturating_add(picture), &costs)?)
             }
             None => None,
@@ -357,10 +360,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
     }
 
     fn film(&mut self) -> Result<Film> {
-        let mut film = match self.read.take() {
-            Some(film) => film,
-            None => self.on.read_film(&self.film)?,
-        };
+        let mut film = self.sums()?;
         film.clamp = self.settings.estimator.clamps();
         (film.contains, film.cut, film.tally) = (self.contains.clone(), self.cut, self.tally.clone());
         Ok(film)
@@ -405,25 +405,23 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         if !self.settings.errors {
             return Ok(None);
         }
-        let film = match self.read.take() {
-            Some(film) => film,
-            None => self.on.read_film(&self.film)?,
-        };
-        let intervals = film.confidence_intervals().unwrap_or_default();
-        self.read = Some(film);
-        Ok(ErrorModel::new(&intervals, self.schedule, share, self.settings.kernel.second_radius_noise()))
+        self.error_model(share)
     }
 
     fn rescale(&mut self, factor: f64) -> bool {
-        // Radii of each pixel follow noise and bias anyway; with them the picture depends on the number of passes alone.
-        let shared = radii::need_pilot(&self.settings) && self.bandwidth.is_none();
-        if shared {
+        let rescales = self.rescales();
+        if rescales {
             for slot in &mut self.maps {
                 slot.radius = radii::scaled(slot.radius, factor.sqrt() as f32);
             }
             self.schedule = self.schedule.scaled(factor);
         }
-        shared
+        rescales
+    }
+
+    fn rescales(&self) -> bool {
+        // Radii of each pixel follow noise and bias anyway; with them the picture depends on the number of passes alone.
+        radii::need_pilot(&self.settings) && self.bandwidth.is_none()
     }
 
     fn facts(&self) -> Facts {

@@ -21,6 +21,7 @@ impl<B: TransportBackend> Pipeline<B> {
             self.on.mark(Some(Stage::Film));
             if !self.on.update_radii(&mut self.film, &update, factors)? {
                 let bits = radii.learn(&self.on.read_film(&self.film)?, &update);
+                radii.updated(&update);
                 *factors = Some(self.on.upload("radii of pixels", &bits)?);
             }
             self.on.mark(None);

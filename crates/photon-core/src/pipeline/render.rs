@@ -81,6 +81,11 @@ pub trait Render: Send {
         false
     }
 
+    /// Whether [`Render::rescale`] changes radii.
+    fn rescales(&self) -> bool {
+        false
+    }
+
     /// Describes the renderer and what it was built for.
     fn facts(&self) -> Facts;
 }
@@ -136,8 +141,9 @@ pub struct Outcome {
     pub last: Option<PassReport>,
     /// Whether the observer stopped it before its budget was spent.
     pub cancelled: bool,
-    /// The first forecast, if errors are estimated and there were at least 8 passes; with a limit on time, and unless radii or
-    /// the end depend on it, the first one after a second, or that at the end.
+    /// The first forecast, if errors are estimated and there were at least 8 passes. With a limit on time, and unless radii or
+    /// the end depend on it, it is made after the first pass that ends after a second; if there is none, this is
+    /// [`Outcome::reached`].
     pub predicted: Option<Forecast>,
     /// The forecast at the end, likewise.
     pub reached: Option<Forecast>,
@@ -171,8 +177,8 @@ const SHARE: f64 = 0.95;
 /// Number of passes before the first forecast.
 const FORECAST_PASSES: u32 = 8;
 
-/// With a limit on time, a forecast that nothing depends on is made after this time: it reads the whole film, which may take
-/// as long as many passes of a GPU.
+/// With a limit on time, a forecast that nothing depends on is made only after this time: it reads the whole film, which may
+/// take as long as many passes take on a GPU.
 const FORECAST_TIME: Duration = Duration::from_secs(1);
 
 /// Renders passes until the budget is spent or the observer asks to stop.
@@ -212,7 +218,7 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
         }
         if outcome.passes == next_look {
             if plan.time().is_some() && clock.elapsed() < FORECAST_TIME && !adapts(renderer, &plan) {
-                next_look = next_look.saturating_mul(2);
+                next_look += 1;
                 continue;
             }
             let forecast = look(renderer, &plan, &outcome, &clock)?;
@@ -245,8 +251,8 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
 }
 
 /// Whether anything depends on the first forecast: radii that are adapted to it, or the end.
-fn adapts(renderer: &mut dyn Render, plan: &Plan) -> bool {
-    matches!(plan.until, Budget::Error { .. }) || matches!(plan.until, Budget::Time(_)) && renderer.rescale(1.0)
+fn adapts(renderer: &dyn Render, plan: &Plan) -> bool {
+    matches!(plan.until, Budget::Error { .. }) || matches!(plan.until, Budget::Time(_)) && renderer.rescales()
 }
 
 /// Shows the observer what it wants to see.
@@ -376,122 +382,4 @@ fn after(plan: &Plan, passes: u32, forecast: Option<&Forecast>) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A renderer whose passes do nothing, with errors that decrease as expected.
-    struct Idle {
-        passes: u32,
-        tells: bool,
-    }
-
-    impl Render for Idle {
-        fn pass(&mut self, index: u32, _observer: &mut dyn Observer) -> Result<PassEnd> {
-            self.passes += 1;
-            Ok(PassEnd::Done(PassReport { index, paths: 100, ..PassReport::default() }))
-        }
-        fn film(&mut self) -> Result<Film> {
-            Film::new(1, 1, crate::Units::default())
-        }
-        fn take(&mut self) -> Result<Film> {
-            self.film()
-        }
-        fn model(&mut self, share: f64) -> Result<Option<ErrorModel>> {
-            let noise = f64::from(self.passes).sqrt().recip();
-            let interval = crate::ConfidenceInterval {
-                value: 1.0,
-                standard_error: noise,
-                bias: 0.0,
-                bias_error: 0.0,
-                bounded: 0.0,
-                photons: 1000.0,
-                half_width: 2.0 * noise,
-                flags: crate::Flags::default(),
-                allowed: crate::Flags::default(),
-            };
-            Ok(if self.tells {
-                ErrorModel::new(&vec![interval; 10_000], crate::Schedule::of(self.passes, 1.0), share, 0.5)
-            } else {
-                None
-            })
-        }
-        fn facts(&self) -> Facts {
-            unreachable!("not used by these tests")
-        }
-    }
-
-    /// A time that is asked for is met as nearly as whole passes allow; a maximum is not exceeded.
-    #[test]
-    fn times_are_met_and_maxima_kept() {
-        let is_over_after = |seconds: u64, plan: Plan| {
-            let mut clock = Clock::new();
-            clock.begun = Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
-            clock.add(Duration::from_secs(10));
-            is_over(&plan, &Outcome { passes: 1, ..Outcome::default() }, &clock)
-        };
-        let second = Duration::from_secs;
-        let asked = Plan::from(Budget::Time(second(100)));
-        let most = Plan { most_time: Some(second(100)), ..Plan::from(Budget::Passes(9)) };
-        assert_eq!([80, 93, 97].map(|seconds| is_over_after(seconds, asked)), [false, false, true]);
-        assert_eq!([80, 93, 97].map(|seconds| is_over_after(seconds, most)), [false, true, true]);
-    }
-
-    #[test]
-    fn the_first_pass_and_forecasts_are_no_measure_of_a_pass() {
-        let pass = |all: &[u64]| {
-            let mut clock = Clock::new();
-            all.iter().for_each(|&seconds| clock.add(Duration::from_secs(seconds)));
-            clock.pass().as_secs()
-        };
-        assert_eq!((pass(&[]), pass(&[5]), pass(&[5, 2]), pass(&[5, 2, 2, 2, 1, 9])), (0, 5, 2, 2));
-        // Early passes are forgotten.
-        assert_eq!(pass(&[[5; 100].as_slice(), &[3; 40]].concat()), 3);
-        // What happens between two passes belongs to none.
-        let mut clock = Clock::new();
-        clock.pass_begun = Instant::now().checked_sub(Duration::from_secs(20)).unwrap();
-        clock.begin_pass();
-        clock.end_pass();
-        assert!(clock.pass() < Duration::from_secs(10));
-    }
-
-    fn passes(plan: impl Into<Plan>) -> u32 {
-        render(&mut Idle { passes: 0, tells: true }, plan, &mut ()).unwrap().passes
-    }
-
-    #[test]
-    fn budgets_are_spent_and_no_more() {
-        assert_eq!(passes(Budget::Passes(5)), 5);
-        assert_eq!(passes(Budget::Photons(301)), 4);
-        assert_eq!(passes(Plan { most_passes: Some(3), ..Budget::Photons(1000).into() }), 3);
-        // The first pass always runs.
-        assert_eq!(passes(Budget::Time(Duration::ZERO)), 1);
-        assert_eq!(passes(Plan { most_time: Some(Duration::ZERO), ..Budget::Passes(9).into() }), 1);
-    }
-
-    #[test]
-    fn an_error_ends_it_as_soon_as_it_is_reached() {
-        let budget = Budget::Error { target: 0.1, share_of_pixels: 0.95 };
-        // 1.96²/0.1² = 384 passes, and a little more for Student's t.
-        let outcome = render(&mut Idle { passes: 0, tells: true }, budget, &mut ()).unwrap();
-        assert!((384..=412).contains(&outcome.passes), "{}", outcome.passes);
-        let (predicted, reached) = (outcome.predicted.unwrap(), outcome.reached.unwrap());
-        assert_eq!(predicted.passes, 8);
-        let needed = predicted.passes_needed.unwrap();
-        // A variance with 7 degrees of freedom is predicted e^(1/7) larger, since its logarithm is that
-        // much too low on average; and with 10 000 pixels by at most e^(2 √(0.33/10 000)).
-        assert!((443..=456).contains(&needed), "{needed}");
-        assert!(reached.is_reached() && reached.error <= 0.1 && !predicted.is_reached());
-        // An unreachable target is predicted as such, and the limit is kept.
-        let plan = Plan { most_passes: Some(100), ..budget.into() };
-        let outcome = render(&mut Idle { passes: 0, tells: true }, plan, &mut ()).unwrap();
-        let predicted = outcome.predicted.unwrap();
-        assert_eq!((outcome.passes, predicted.passes_possible), (100, 100));
-        assert!(!predicted.is_reachable() && (predicted.error_possible - 0.214).abs() < 0.002, "{predicted:?}");
-    }
-
-    #[test]
-    fn an_error_that_nobody_tells_is_refused() {
-        let budget = Budget::Error { target: 0.1, share_of_pixels: 0.95 };
-        assert!(render(&mut Idle { passes: 0, tells: false }, budget, &mut ()).is_err());
-    }
-}
+mod tests;

@@ -82,7 +82,7 @@ impl Radii {
 pub struct RadiusUpdate {
     /// Passes in the film, at least 8.
     pub passes: u32,
-    /// Passes since the last update, at least 4.
+    /// Passes since the last update, at least 8.
     pub since: u32,
     /// The bias with the present factors after twice as many passes as there are now, over that of the passes since the last
     /// update.

@@ -8,7 +8,7 @@ use crate::settings::{Area, Bandwidth};
 /// than noise.
 const CLEARLY_LESS: f64 = 0.85;
 
-/// The next larger number of paths is chosen if a pass takes at most this many times as long, and so on as long as the error is at
+/// The next larger number of paths that meets both is chosen: if a pass takes at most this many times as long, and so on as long as the error is at
 /// most this many times that of the best: two passes hardly show rare bright photons, of which more are found, or the bias of
 /// narrow features.
 const HARDLY_LONGER: f64 = 1.25;
@@ -41,8 +41,10 @@ fn best_with(candidates: &[Candidate], bandwidth: Bandwidth, now: u32) -> Option
         |each: &&Candidate| (each.area, each.bandwidth, each.gather_rays) == (best.area, bandwidth, best.gather_rays);
     // One step after the other, since each may take hardly longer than the one before.
     let next = |from: &Candidate| {
+        // Radii of more paths are smaller even with the same factor.
         let more = candidates.iter().filter(|each| each.photons > from.photons && is_like(each));
-        more.filter(|each| each.seconds <= HARDLY_LONGER * from.seconds && each.error <= HARDLY_MORE * best.error)
+        more.filter(|each| each.radius_factor >= from.radius_factor)
+            .filter(|each| each.seconds <= HARDLY_LONGER * from.seconds && each.error <= HARDLY_MORE * best.error)
             .min_by(|a, b| a.photons.cmp(&b.photons).then(a.error.total_cmp(&b.error)))
             .copied()
     };
@@ -107,6 +109,7 @@ mod tests {
             (more(0.0126, 1.14), false),
             (more(0.0114, 1.16), false),
             (Candidate { area: Area::Disc, ..more(0.0114, 1.14) }, false),
+            (Candidate { radius_factor: 0.5, ..more(0.0114, 1.14) }, false),
             (Candidate { photons: 500, ..more(0.0114, 1.14) }, false),
             (Candidate { bandwidth: Bandwidth::PerPixel, ..more(0.0114, 1.14) }, false),
         ] {

@@ -1,0 +1,147 @@
+//! The loop over passes, with a renderer that does nothing.
+
+use super::*;
+
+/// A renderer whose passes do nothing, with errors that decrease as expected.
+struct Idle {
+    passes: u32,
+    tells: bool,
+    rescales: bool,
+    /// How often it was asked for its error model.
+    models: u32,
+}
+
+impl Idle {
+    fn new(tells: bool) -> Self {
+        Self { passes: 0, tells, rescales: false, models: 0 }
+    }
+}
+
+impl Render for Idle {
+    fn pass(&mut self, index: u32, _observer: &mut dyn Observer) -> Result<PassEnd> {
+        self.passes += 1;
+        Ok(PassEnd::Done(PassReport { index, paths: 100, ..PassReport::default() }))
+    }
+    fn film(&mut self) -> Result<Film> {
+        Film::new(1, 1, crate::Units::default())
+    }
+    fn take(&mut self) -> Result<Film> {
+        self.film()
+    }
+    fn model(&mut self, share: f64) -> Result<Option<ErrorModel>> {
+        self.models += 1;
+        let noise = f64::from(self.passes).sqrt().recip();
+        let interval = crate::ConfidenceInterval {
+            value: 1.0,
+            standard_error: noise,
+            bias: 0.0,
+            bias_error: 0.0,
+            bounded: 0.0,
+            photons: 1000.0,
+            half_width: 2.0 * noise,
+            flags: crate::Flags::default(),
+            allowed: crate::Flags::default(),
+        };
+        Ok(if self.tells {
+            ErrorModel::new(&vec![interval; 10_000], crate::Schedule::of(self.passes, 1.0), share, 0.5)
+        } else {
+            None
+        })
+    }
+    fn rescales(&self) -> bool {
+        self.rescales
+    }
+    fn facts(&self) -> Facts {
+        unreachable!("not used by these tests")
+    }
+}
+
+/// A time that is asked for is met as nearly as whole passes allow; a maximum is not exceeded.
+#[test]
+fn times_are_met_and_maxima_kept() {
+    let is_over_after = |seconds: u64, plan: Plan| {
+        let mut clock = Clock::new();
+        clock.begun = Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
+        clock.add(Duration::from_secs(10));
+        is_over(&plan, &Outcome { passes: 1, ..Outcome::default() }, &clock)
+    };
+    let second = Duration::from_secs;
+    let asked = Plan::from(Budget::Time(second(100)));
+    let most = Plan { most_time: Some(second(100)), ..Plan::from(Budget::Passes(9)) };
+    assert_eq!([80, 93, 97].map(|seconds| is_over_after(seconds, asked)), [false, false, true]);
+    assert_eq!([80, 93, 97].map(|seconds| is_over_after(seconds, most)), [false, true, true]);
+}
+
+#[test]
+fn the_first_pass_and_forecasts_are_no_measure_of_a_pass() {
+    let pass = |all: &[u64]| {
+        let mut clock = Clock::new();
+        all.iter().for_each(|&seconds| clock.add(Duration::from_secs(seconds)));
+        clock.pass().as_secs()
+    };
+    assert_eq!((pass(&[]), pass(&[5]), pass(&[5, 2]), pass(&[5, 2, 2, 2, 1, 9])), (0, 5, 2, 2));
+    // Early passes are forgotten.
+    assert_eq!(pass(&[[5; 100].as_slice(), &[3; 40]].concat()), 3);
+    // What happens between two passes belongs to none.
+    let mut clock = Clock::new();
+    clock.pass_begun = Instant::now().checked_sub(Duration::from_secs(20)).unwrap();
+    clock.begin_pass();
+    clock.end_pass();
+    assert!(clock.pass() < Duration::from_secs(10));
+}
+
+fn passes(plan: impl Into<Plan>) -> u32 {
+    render(&mut Idle::new(true), plan, &mut ()).unwrap().passes
+}
+
+#[test]
+fn budgets_are_spent_and_no_more() {
+    assert_eq!(passes(Budget::Passes(5)), 5);
+    assert_eq!(passes(Budget::Photons(301)), 4);
+    assert_eq!(passes(Plan { most_passes: Some(3), ..Budget::Photons(1000).into() }), 3);
+    // The first pass always runs.
+    assert_eq!(passes(Budget::Time(Duration::ZERO)), 1);
+    assert_eq!(passes(Plan { most_time: Some(Duration::ZERO), ..Budget::Passes(9).into() }), 1);
+}
+
+#[test]
+fn an_error_ends_it_as_soon_as_it_is_reached() {
+    let budget = Budget::Error { target: 0.1, share_of_pixels: 0.95 };
+    // 1.96²/0.1² = 384 passes, and a little more for Student's t.
+    let outcome = render(&mut Idle::new(true), budget, &mut ()).unwrap();
+    assert!((384..=412).contains(&outcome.passes), "{}", outcome.passes);
+    let (predicted, reached) = (outcome.predicted.unwrap(), outcome.reached.unwrap());
+    assert_eq!(predicted.passes, 8);
+    let needed = predicted.passes_needed.unwrap();
+    // A variance with 7 degrees of freedom is predicted e^(1/7) larger, since its logarithm is that
+    // much too low on average; and with 10 000 pixels by at most e^(2 √(0.33/10 000)).
+    assert!((443..=456).contains(&needed), "{needed}");
+    assert!(reached.is_reached() && reached.error <= 0.1 && !predicted.is_reached());
+    // An unreachable target is predicted as such, and the limit is kept.
+    let plan = Plan { most_passes: Some(100), ..budget.into() };
+    let outcome = render(&mut Idle::new(true), plan, &mut ()).unwrap();
+    let predicted = outcome.predicted.unwrap();
+    assert_eq!((outcome.passes, predicted.passes_possible), (100, 100));
+    assert!(!predicted.is_reachable() && (predicted.error_possible - 0.214).abs() < 0.002, "{predicted:?}");
+}
+
+/// In a second or less, a forecast on which nothing depends is left for the end.
+#[test]
+fn forecasts_of_short_renders_are_made_at_the_end() {
+    let limited = |until: Budget| Plan { most_passes: Some(50), ..until.into() };
+    let time = limited(Budget::Time(Duration::from_secs(900)));
+    for (plan, rescales, models, first) in
+        [(time, false, 1, 50), (time, true, 2, 8), (limited(Budget::Passes(50)), false, 2, 8)]
+    {
+        let mut idle = Idle { rescales, ..Idle::new(true) };
+        let outcome = render(&mut idle, plan, &mut ()).unwrap();
+        assert_eq!((idle.models, outcome.predicted.unwrap().passes), (models, first), "{plan:?}");
+        assert_eq!((outcome.passes, outcome.reached.unwrap().passes), (50, 50));
+    }
+}
+
+#[test]
+fn an_error_that_nobody_tells_is_refused() {
+    let budget = Budget::Error { target: 0.1, share_of_pixels: 0.95 };
+    assert!(render(&mut Idle::new(false), budget, &mut ()).is_err());
+}

@@ -295,7 +295,7 @@ fn is_over(plan: &Plan, outcome: &Outcome, clock: &Clock) -> bool {
     spent || plan.most_time.is_some_and(|time| elapsed + pass > time)
 }
 
-/// Times the passes. The first one also compiles kernels, some read the film to choose radii, and forecasts and previews
+/// Times the passes. The first one also compiles kernels, some backends read the film to choose radii, and forecasts and previews
 /// come between: the duration of a pass is the median of the latest others.
 struct Clock {
     begun: Instant,

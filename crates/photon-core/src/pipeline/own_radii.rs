@@ -19,13 +19,14 @@ impl<B: TransportBackend> Pipeline<B> {
             && let Some(update) = radii.due(self.passes)
         {
             self.on.mark(Some(Stage::Film));
-            if !self.on.update_radii(&mut self.film, &update, factors)? {
-                let bits = radii.learn(&self.on.read_film(&self.film)?, &update);
-                radii.updated(&update);
+            let is_done = self.on.update_radii(&mut self.film, &update, factors)?;
+            let bits = if is_done { None } else { Some(radii.learn(&self.on.read_film(&self.film)?, &update)) };
+            // Before the upload, which may fail: no pass is learnt from twice.
+            radii.updated(&update);
+            if let Some(bits) = bits {
                 *factors = Some(self.on.upload("radii of pixels", &bits)?);
             }
             self.on.mark(None);
-            radii.updated(&update);
         }
         Ok(())
     }

@@ -8,9 +8,9 @@ use crate::settings::{Area, Bandwidth};
 /// than noise.
 const CLEARLY_LESS: f64 = 0.85;
 
-/// The next larger number of paths that meets both is chosen: if a pass takes at most this many times as long, and so on as long as the error is at
-/// most this many times that of the best: two passes hardly show rare bright photons, of which more are found, or the bias of
-/// narrow features.
+/// More paths are chosen, one number after the other, if a pass takes at most this many times as long as with the number before, and
+/// the error is at most this many times that of the best: two passes hardly show rare bright photons, of which more are
+/// found, or the bias of narrow features.
 const HARDLY_LONGER: f64 = 1.25;
 const HARDLY_MORE: f64 = 1.15;
 

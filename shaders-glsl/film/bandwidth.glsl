@@ -37,11 +37,6 @@ const uint BIAS_SQUARED = 4u;
 const uint BIAS_VARIANCE = 5u;
 const uint CHANGE = 6u;
 
-// Largest change of r², and the bounds of the factor on r.
-const float STEP = 2.0;
-const float LEAST_FACTOR = 0.25;
-const float GREATEST_FACTOR = 2.828427;
-
 float radii_read(uint plane, uint pixel) {
     return film_place(push.radii, plane, push.pixels, pixel).at;
 }

@@ -13,17 +13,6 @@ layout(constant_id = 3) const uint MAPS = 7;
 
 #include "film/bandwidth.glsl"
 
-// Pixels to each side whose noise and bias are averaged.
-const int REACH = 2;
-
-// See confidence.rs.
-const float MINOR = 0.05;
-const float MIN_PHOTONS = 32.0;
-const float MIN_BOUNDED_PHOTONS = 8.0;
-// See moments.rs.
-const float MIN_SHAPE_PHOTONS = 8.0;
-const float LINEAR_OFFSET = 0.25;
-
 // Whether one of two biases is more than twice the other, beyond 3 standard errors.
 bool exceeds(float a, float a_error, float b, float b_error) {
     return abs(a) - 2.0 * abs(b) > 3.0 * sqrt(a_error * a_error + 4.0 * b_error * b_error);
@@ -62,12 +51,12 @@ bool has_edge(uint pixel) {
         float squared = moments[MOMENTS_POWER_SQUARED];
         float stray = moments[MOMENTS_STRAY];
         float count = squared > 0.0 ? power * (power / squared) : 0.0;
-        bool strays = stray > 0.02 * (power + stray);
+        bool strays = stray > MOMENTS_MAX_STRAY * (power + stray);
         bool uneven = false;
-        if (count >= MIN_SHAPE_PHOTONS) {
+        if (count >= MOMENTS_MIN_PHOTONS) {
             float offset = length(vec2(moments[MOMENTS_SLOPE], moments[MOMENTS_SLOPE + 1u]) / power);
             float four = length(vec2(moments[MOMENTS_QUADRUPOLE], moments[MOMENTS_QUADRUPOLE + 1u]) / power);
-            uneven = offset > LINEAR_OFFSET || (four > 0.05 && four > 3.0 * sqrt(1.0 / (6.0 * count)));
+            uneven = offset > MOMENTS_MAX_OFFSET || (four > MOMENTS_MAX_QUADRUPOLE && four > 3.0 * sqrt(1.0 / (6.0 * count)));
         }
         // A map without photons gave none of its layer.
         float light = power > 0.0 ? layer(push.lights[map], pixel) : 0.0;
@@ -83,17 +72,17 @@ bool has_edge(uint pixel) {
     [[unroll]] for (uint i = 0u; i < 4u; ++i) {
         if ((LAYERS >> i & 1u) != 0u) sum += layer(push.sums[i], pixel);
     }
-    bool few = photons < MIN_PHOTONS;
+    bool few = photons < INTERVAL_MIN_PHOTONS;
     if (few || curved) doubtful = found;
-    return doubtful > MINOR * sum || (few && photons < MIN_BOUNDED_PHOTONS);
+    return doubtful > INTERVAL_MINOR * sum || (few && photons < INTERVAL_MIN_BOUNDED_PHOTONS);
 }
 
 // The factor on r² that minimizes the error, within bounds; 1 where no photon was found.
 float change(float noise_squared, float bias_squared) {
     if (!(noise_squared > 0.0)) return 1.0;
     float twice = 2.0 * bias_squared;
-    if (noise_squared >= STEP * STEP * STEP * twice) return STEP;
-    return clamp(cube_root(noise_squared / twice), 1.0 / STEP, STEP);
+    if (noise_squared >= RADII_STEP * RADII_STEP * RADII_STEP * twice) return RADII_STEP;
+    return clamp(cube_root(noise_squared / twice), 1.0 / RADII_STEP, RADII_STEP);
 }
 
 void main() {
@@ -103,8 +92,8 @@ void main() {
     int height = int(push.pixels / push.width);
     int x = int(pixel) % width, y = int(pixel) / width;
     float bias_squared = 0.0, variance = 0.0;
-    for (int row = max(y - REACH, 0); row <= min(y + REACH, height - 1); row++) {
-        for (int column = max(x - REACH, 0); column <= min(x + REACH, width - 1); column++) {
+    for (int row = max(y - int(RADII_REACH), 0); row <= min(y + int(RADII_REACH), height - 1); row++) {
+        for (int column = max(x - int(RADII_REACH), 0); column <= min(x + int(RADII_REACH), width - 1); column++) {
             uint other = uint(row * width + column);
             bias_squared += radii_read(BIAS_SQUARED, other);
             variance += radii_read(BIAS_VARIANCE, other);

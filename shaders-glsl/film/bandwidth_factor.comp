@@ -24,5 +24,5 @@ void main() {
         }
     }
     Factors factor = push.factors + pixel;
-    factor.at = clamp(factor.at * exp(0.5 * sum / count), LEAST_FACTOR, GREATEST_FACTOR);
+    factor.at = clamp(factor.at * exp(0.5 * sum / count), RADII_LEAST, RADII_GREATEST);
 }

@@ -227,6 +227,21 @@ const float NEIGHBOUR_MIN_RADIUS_SQUARED = 9.094947017729282e-13;
 
 // PhotonMoments.
 const float ERROR_MOMENTS_OFF_PLANE = 0.25;
+const float MOMENTS_MIN_PHOTONS = 8.0;
+const float MOMENTS_MAX_STRAY = 0.019999999552965164;
+const float MOMENTS_MAX_OFFSET = 0.25;
+const float MOMENTS_MAX_QUADRUPOLE = 0.05000000074505806;
+
+// ConfidenceInterval.
+const float INTERVAL_MIN_PHOTONS = 32.0;
+const float INTERVAL_MIN_BOUNDED_PHOTONS = 8.0;
+const float INTERVAL_MINOR = 0.05000000074505806;
+
+// PixelRadii: bounds of the factor on r, largest change of its square, pixels to each side.
+const float RADII_LEAST = 0.25;
+const float RADII_GREATEST = 2.8284270763397217;
+const float RADII_STEP = 2.0;
+const uint RADII_REACH = 2u;
 
 // kd_tree.
 const uint KD_TREE_WIDTH = 16u;

@@ -1,9 +1,9 @@
 //! Numbers of algorithms in photon-core and photon-scene that have a twin in GLSL.
 
 use photon_core::{
-    AlbedoTable, Coat, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, RoughGlassTable, SheenTable, anisotropy,
-    area, clearcoat, ggx, glossy, kd_tree, light_sampler, light_tree, neighbour_radius, octahedral, offset,
-    rough_glass, shading_normal, sheen, solid_angle,
+    AlbedoTable, Coat, ConfidenceInterval, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, PixelRadii,
+    RoughGlassTable, SheenTable, anisotropy, area, clearcoat, ggx, glossy, kd_tree, light_sampler, light_tree,
+    neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -152,7 +152,33 @@ pub(super) fn groups() -> Vec<Group> {
                 (neighbour_radius::MIN_RADIUS * neighbour_radius::MIN_RADIUS).into(),
             )],
         ),
-        ("PhotonMoments.", vec![("ERROR_MOMENTS_OFF_PLANE", PhotonMoments::OFF_PLANE.into())]),
+        (
+            "PhotonMoments.",
+            vec![
+                ("ERROR_MOMENTS_OFF_PLANE", PhotonMoments::OFF_PLANE.into()),
+                ("MOMENTS_MIN_PHOTONS", (PhotonMoments::MIN_PHOTONS as f32).into()),
+                ("MOMENTS_MAX_STRAY", (PhotonMoments::MAX_STRAY as f32).into()),
+                ("MOMENTS_MAX_OFFSET", (PhotonMoments::MAX_OFFSET as f32).into()),
+                ("MOMENTS_MAX_QUADRUPOLE", (PhotonMoments::MAX_QUADRUPOLE as f32).into()),
+            ],
+        ),
+        (
+            "ConfidenceInterval.",
+            vec![
+                ("INTERVAL_MIN_PHOTONS", (ConfidenceInterval::MIN_PHOTONS as f32).into()),
+                ("INTERVAL_MIN_BOUNDED_PHOTONS", (ConfidenceInterval::MIN_BOUNDED_PHOTONS as f32).into()),
+                ("INTERVAL_MINOR", (ConfidenceInterval::MINOR as f32).into()),
+            ],
+        ),
+        (
+            "PixelRadii: bounds of the factor on r, largest change of its square, pixels to each side.",
+            vec![
+                ("RADII_LEAST", (PixelRadii::BOUNDS[0].sqrt() as f32).into()),
+                ("RADII_GREATEST", (PixelRadii::BOUNDS[1].sqrt() as f32).into()),
+                ("RADII_STEP", (PixelRadii::STEP as f32).into()),
+                ("RADII_REACH", PixelRadii::REACH.into()),
+            ],
+        ),
         (
             "kd_tree.",
             vec![

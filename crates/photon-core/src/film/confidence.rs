@@ -181,18 +181,8 @@ const MIN_PASSES: u32 = 8;
 /// error is above 1/2, for many passes, or above 0.38 for 8 of them.
 const MIN_EFFECTIVE_PASSES: f64 = 4.0;
 
-/// With fewer photons, the distribution of the sums is too far from normal.
-pub(crate) const MIN_PHOTONS: f64 = 32.0;
-
-/// With fewer photons, the expected light may be more than twice what was found: 8 photons were drawn from a Poisson
-/// distribution with a mean of at most 15.8, by its 95 % interval.
-const MIN_BOUNDED_PHOTONS: f64 = 8.0;
-
 /// The share of a pixel up to which light that may have been missed is bounded instead of flagged, where photons are few.
 const SCARCE: f64 = 0.1;
-
-/// The share of a pixel up to which light without a bias estimate is bounded instead of flagged.
-const MINOR: f64 = 0.05;
 
 /// Noise of photons over that of the bias that they show with a second radius, by the Epanechnikov kernel
 /// ([`crate::Kernel::second_radius_noise`]); too large for other kernels, where less noise is taken to be skewed as strongly as
@@ -205,6 +195,16 @@ const PHOTON_NOISE: f64 = 2.0;
 const BOUND: f64 = 3.0;
 
 impl ConfidenceInterval {
+    /// With fewer photons, the distribution of the sums is too far from normal.
+    pub const MIN_PHOTONS: f64 = 32.0;
+
+    /// With fewer photons, the expected light may be more than twice what was found: 8 photons were drawn from a Poisson
+    /// distribution with a mean of at most 15.8, by its 95 % interval.
+    pub const MIN_BOUNDED_PHOTONS: f64 = 8.0;
+
+    /// The share of a pixel up to which light without a bias estimate is bounded instead of flagged.
+    pub const MINOR: f64 = 0.05;
+
     /// Why noise and bias alone are no error estimate, whether there is an interval or not. Error targets and forecasts are of
     /// the pixels without any but [`Flags::RARE`].
     #[must_use]
@@ -252,7 +252,7 @@ impl Film {
             let noise = standard_error(sum, pixel.square);
             let photons: f64 = error.photon_moments.values().map(PhotonMoments::photons).sum();
             let mut flags = Flags::default();
-            let few = photons < MIN_PHOTONS && is_asked(error, pixel);
+            let few = photons < ConfidenceInterval::MIN_PHOTONS && is_asked(error, pixel);
             let mut doubtful = PerMap::splat(few);
             flags.set(Flags::FEW_PHOTONS, few);
             for (kind, moments) in error.photon_moments.iter() {
@@ -267,7 +267,8 @@ impl Film {
             let unknown: f64 =
                 doubtful.iter().filter(|(_, doubt)| curved || **doubt).map(|(kind, _)| light[kind]).sum();
             let (mut bounded, mut allowed) = (0.0, Flags::default());
-            if unknown <= MINOR * sum && !(few && photons < MIN_BOUNDED_PHOTONS) {
+            if unknown <= ConfidenceInterval::MINOR * sum && !(few && photons < ConfidenceInterval::MIN_BOUNDED_PHOTONS)
+            {
                 flags = Flags::default();
                 bounded = BOUND * unknown / n;
             } else if few {
@@ -277,7 +278,10 @@ impl Film {
                     bounded = missed / n;
                     (flags, allowed) = (allowed, flags);
                 }
-            } else if light.iter().all(|(kind, light)| *light <= MINOR * sum || !error.photon_moments[kind].is_fold()) {
+            } else if light
+                .iter()
+                .all(|(kind, light)| *light <= ConfidenceInterval::MINOR * sum || !error.photon_moments[kind].is_fold())
+            {
                 // Of the two estimates of the bias the larger, if it is so beyond the noise of the second.
                 let larger = bias.abs().max(2.0 * half.abs() - 4.0 * half_error);
                 let edge: f64 = light.iter().map(|(kind, light)| error.photon_moments[kind].edge_bound() * light).sum();

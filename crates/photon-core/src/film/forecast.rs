@@ -2,7 +2,7 @@
 
 mod group;
 
-use crate::film::confidence::{ConfidenceInterval, Flags, MIN_PHOTONS, student_975};
+use crate::film::confidence::{ConfidenceInterval, Flags, student_975};
 use crate::radius::schedule::Schedule;
 use group::{Factors, Group, Relative};
 
@@ -220,8 +220,9 @@ impl ErrorModel {
         let [claimed, few, edge] = &self.groups;
         // The photon count found so far may be too high by its standard error, its square root.
         let luck = if set == PixelSet::Counted { 1.0 } else { 0.0 };
-        let enough =
-            |pixel: &Relative| (pixel.photon_count - luck * pixel.photon_count.sqrt()) * more * bias >= MIN_PHOTONS;
+        let enough = |pixel: &Relative| {
+            (pixel.photon_count - luck * pixel.photon_count.sqrt()) * more * bias >= ConfidenceInterval::MIN_PHOTONS
+        };
         let (few_free, edge_free) = match set {
             PixelSet::Claimed => (0.0, 0.0),
             PixelSet::Counted => (1.0, 0.0),

@@ -17,14 +17,6 @@ use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_sum}
 /// Factors are first computed after this many passes, then whenever the number of passes has doubled.
 const FIRST: u32 = 8;
 
-/// Bounds of the factor on r², in total and for one step.
-const BOUNDS: [f64; 2] = [1.0 / 16.0, 8.0];
-const STEP: f64 = 2.0;
-
-/// Noise and bias are averaged over this many pixels to each side, since the bias of a single pixel is
-/// mostly noise.
-const REACH: usize = 2;
-
 /// Radius factors of the pixels of a film.
 #[derive(Clone, Debug)]
 pub(crate) struct Radii {
@@ -109,6 +101,16 @@ pub struct PixelRadii {
 }
 
 impl PixelRadii {
+    /// Bounds of the factor on r².
+    pub const BOUNDS: [f64; 2] = [1.0 / 16.0, 8.0];
+
+    /// The largest change of r² in one update, and the reciprocal of the least.
+    pub const STEP: f64 = 2.0;
+
+    /// Noise and bias are averaged over this many pixels to each side, since the bias of a single pixel is
+    /// mostly noise.
+    pub const REACH: u32 = 2;
+
     /// The factor 1 for all pixels.
     #[must_use]
     pub fn new(pixels: usize) -> Self {
@@ -131,7 +133,8 @@ impl PixelRadii {
         let (width, height) = (film.width as usize, film.height as usize);
         let steps = parallel::collect(sums.len(), |pixel| {
             let around = |[sum, square]: [f64; 2], other: usize| [sum + sums[other][0], square + sums[other][1]];
-            let [bias_squared, difference] = neighbours(pixel, width, height, REACH).fold([0.0; 2], around);
+            let [bias_squared, difference] =
+                neighbours(pixel, width, height, PixelRadii::REACH as usize).fold([0.0; 2], around);
             // The square of the mean difference contains its own variance.
             let bias_squared = (bias_squared - difference).max(0.0) * update.bias * update.bias;
             let step = step(difference * update.noise, bias_squared);
@@ -146,7 +149,8 @@ impl PixelRadii {
                 // Geometric mean over neighbours, so that the factors do not become visible in the picture.
                 let around = neighbours(first + i, width, height, 1)
                     .fold((0.0, 0.0), |(sum, count), i| (sum + steps[i], count + 1.0));
-                *factor = (*factor * libm::exp(around.0 / around.1)).clamp(BOUNDS[0], BOUNDS[1]);
+                *factor =
+                    (*factor * libm::exp(around.0 / around.1)).clamp(PixelRadii::BOUNDS[0], PixelRadii::BOUNDS[1]);
             }
         });
         self.before = errors.iter().map(|error| [error.bias, error.bias_square]).collect();
@@ -163,7 +167,11 @@ fn tell(now: &ErrorPixel, before: [f64; 2], passes: u32) -> [f64; 2] {
 
 /// The factor on r² that minimises the error, within bounds; 1 where no photon was found.
 fn step(noise_squared: f64, bias_squared: f64) -> f64 {
-    if noise_squared > 0.0 { libm::cbrt(noise_squared / (2.0 * bias_squared)).clamp(1.0 / STEP, STEP) } else { 1.0 }
+    if noise_squared > 0.0 {
+        libm::cbrt(noise_squared / (2.0 * bias_squared)).clamp(1.0 / PixelRadii::STEP, PixelRadii::STEP)
+    } else {
+        1.0
+    }
 }
 
 /// A pixel and its neighbours.
@@ -213,16 +221,21 @@ mod tests {
     #[test]
     fn factors_lead_to_where_the_error_is_least() {
         // Differences with deviation 1/2 in each of 8 passes: the noise² after 16 passes is 1/16.
-        for (bias, expected) in
-            [(0.2, (1.0_f64 / 16.0 / (2.0 * 0.04 - 2.0 * 0.25 / 7.0)).cbrt()), (0.0, STEP), (9.0, 1.0 / STEP)]
-        {
+        for (bias, expected) in [
+            (0.2, (1.0_f64 / 16.0 / (2.0 * 0.04 - 2.0 * 0.25 / 7.0)).cbrt()),
+            (0.0, PixelRadii::STEP),
+            (9.0, 1.0 / PixelRadii::STEP),
+        ] {
             let mut radii = Radii::new(1.0, 0.5);
             assert_eq!(radii.due(7), None);
             let factors = learned(&mut radii, 8, bias, 0.5);
             assert!(radii.due(15).is_none() && radii.due(16).is_some());
             for &factor in &factors {
                 // 7 degrees of freedom instead of 8.
-                assert!((factor / expected.clamp(1.0 / STEP, STEP) - 1.0).abs() < 0.06, "{bias}: {factor} {expected}");
+                assert!(
+                    (factor / expected.clamp(1.0 / PixelRadii::STEP, PixelRadii::STEP) - 1.0).abs() < 0.06,
+                    "{bias}: {factor} {expected}"
+                );
             }
         }
     }
@@ -235,6 +248,6 @@ mod tests {
         for passes in [16, 32, 64, 128, 256] {
             last = learned(&mut radii, passes, 0.0, 1.0);
         }
-        assert!(last.iter().all(|&factor| (factor - BOUNDS[1]).abs() < 1e-6), "{last:?}");
+        assert!(last.iter().all(|&factor| (factor - PixelRadii::BOUNDS[1]).abs() < 1e-6), "{last:?}");
     }
 }

@@ -4,12 +4,6 @@ use bytemuck::Zeroable;
 
 use super::BOUND;
 
-/// With fewer photons, their distribution is not known.
-const MIN_SHAPE_PHOTONS: f64 = 8.0;
-
-/// The largest mean offset in a linear field, over the radius of the disc.
-const LINEAR_OFFSET: f64 = 0.25;
-
 /// The mean offset beside a straight edge through the centre: the centroid of half a disc.
 const EDGE_OFFSET: f64 = 4.0 / (3.0 * std::f64::consts::PI);
 
@@ -38,6 +32,18 @@ impl PhotonMoments {
     /// surface: [`crate::ErrorMoments::stray`].
     pub const OFF_PLANE: f32 = 0.25;
 
+    /// With fewer photons, their distribution is not known.
+    pub const MIN_PHOTONS: f64 = 8.0;
+
+    /// The largest share of the light that may lie on other surfaces.
+    pub const MAX_STRAY: f64 = 0.02;
+
+    /// The largest mean offset in a linear field, over the radius of the disc.
+    pub const MAX_OFFSET: f64 = 0.25;
+
+    /// The largest mean quadrupole of even light, in the same unit, squared.
+    pub const MAX_QUADRUPOLE: f64 = 0.05;
+
     pub(super) fn add(&mut self, other: &Self) {
         self.power += other.power;
         self.power_squared += other.power_squared;
@@ -56,7 +62,7 @@ impl PhotonMoments {
 
     /// Whether the disc extends to another surface, with more than a fiftieth of its light there.
     pub(super) fn strays(&self) -> bool {
-        self.stray > 0.02 * (self.power + self.stray)
+        self.stray > Self::MAX_STRAY * (self.power + self.stray)
     }
 
     /// Whether the light has an edge within the disc, which no second radius detects: an edge through the
@@ -67,7 +73,8 @@ impl PhotonMoments {
     /// linear field, with variance 1/6 for each of its two components, per photon: one in eighty pixels
     /// exceeds 3 standard errors by chance, and the flag also requires more than a twentieth.
     pub(super) fn is_uneven(&self) -> bool {
-        self.photons() >= MIN_SHAPE_PHOTONS && (self.offset() > LINEAR_OFFSET || self.has_quadrupole(0.05))
+        self.photons() >= Self::MIN_PHOTONS
+            && (self.offset() > Self::MAX_OFFSET || self.has_quadrupole(Self::MAX_QUADRUPOLE))
     }
 
     /// Whether the light is unlike that beside any straight edge: a fold of a caustic, a line, a corner, or the dark side of
@@ -78,7 +85,7 @@ impl PhotonMoments {
     /// between two lights. Folds have a quadrupole of about 0.16.
     pub(super) fn is_fold(&self) -> bool {
         let most = (0.03 + 0.5 * (self.offset() - EDGE_OFFSET).abs()).min(0.09);
-        self.photons() >= MIN_SHAPE_PHOTONS && self.has_quadrupole(most)
+        self.photons() >= Self::MIN_PHOTONS && self.has_quadrupole(most)
     }
 
     /// Bound of the bias at an edge within the disc, as a multiple of the estimate; 0 if there is none.
@@ -88,7 +95,7 @@ impl PhotonMoments {
     /// the margin. On the dark side all of the estimate is bias; in the corner of an area of light it is up to 3 times that.
     pub(super) fn edge_bound(&self) -> f64 {
         let offset = self.offset();
-        if self.photons() < MIN_SHAPE_PHOTONS || offset <= LINEAR_OFFSET {
+        if self.photons() < Self::MIN_PHOTONS || offset <= Self::MAX_OFFSET {
             return 0.0;
         }
         (EDGE_MARGIN * (offset / EDGE_OFFSET).powi(3)).min(BOUND)

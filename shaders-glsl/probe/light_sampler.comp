@@ -14,12 +14,15 @@ layout(constant_id = 0) const uint FEATURES = FEATURE_ALL & ~FEATURE_LIGHT_TREE;
 #include "probe/probe.glsl"
 #include "shading/light_sampler.glsl"
 
-// Position and index of a light; normal; random word, number of lights, address of the scene.
+// Position and index of a light; normal, and groups of lights (times 256) with a number of rays; random word, number of lights,
+// address of the scene.
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     SceneRef scene = SceneRef(words.c.zw);
     if (FUNCTION == 0u) return floats(vec4(weigh(scene, words.a.w, a.xyz, b.xyz), 0.0, 0.0, 0.0), vec4(0.0));
-    LightSampler light_sampler = light_sampler_at(scene, words.c.y, a.xyz, b.xyz);
-    if (FUNCTION == 1u) {
+    LightSampler light_sampler = FUNCTION == 5u
+        ? light_sampler_for_rays(scene, words.c.y, words.b.w >> 8, words.b.w & 255u, a.xyz, b.xyz)
+        : light_sampler_at(scene, words.c.y, a.xyz, b.xyz);
+    if (FUNCTION == 1u || FUNCTION == 5u) {
         float cdf[8];
         for (uint i = 0u; i < 8u; i++) cdf[i] = i < light_sampler.count ? light_sampler.cdf[i] : 0.0;
         return floats(vec4(cdf[0], cdf[1], cdf[2], cdf[3]), vec4(cdf[4], cdf[5], cdf[6], cdf[7]));

@@ -157,6 +157,7 @@ const float AREA_OUTER = 0.75;
 // light_sampler.
 const uint LIGHT_SAMPLER_MAX_LIGHTS = 16u;
 const float LIGHT_SAMPLER_DEFENSIVE_SHARE = 0.1;
+const float LIGHT_SAMPLER_UNSEEN_SHARE = 0.01;
 
 // light_tree.
 const uint LIGHT_TREE_WORDS = 3865470566u;

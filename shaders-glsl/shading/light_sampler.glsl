@@ -62,22 +62,119 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
     return intensity * cosine / square;
 }
 
-// `lights` is 0 if there is nothing to weight: one light, or more than a few.
-LightSampler light_sampler_at(SceneRef scene, uint lights, vec3 position, vec3 normal) {
+// The weights of the lights instead of cumulative probabilities, and their sum. `lights` is 0 if there is nothing to weight:
+// one light, or more than a few.
+LightSampler light_sampler_weighed(SceneRef scene, uint lights, vec3 position, vec3 normal, out float total) {
     LightSampler light_sampler;
     light_sampler.count = 0;
     light_sampler.position = position;
     light_sampler.normal = normal;
-    float total = 0.0;
+    total = 0.0;
     for (uint i = 0; i < lights; i++) {
         light_sampler.cdf[i] = weigh(scene, i, position, normal);
         total += light_sampler.cdf[i];
     }
-    if (lights == 0 || !is_positive_finite(total)) return light_sampler;
+    return light_sampler;
+}
+
+// From weights to probabilities that are proportional to them.
+void light_sampler_by_weight(inout LightSampler light_sampler, uint lights, float total) {
+    if (lights == 0 || !is_positive_finite(total)) return;
     float sum = 0.0;
     for (uint i = 0; i < lights; i++) {
         sum += LIGHT_SAMPLER_DEFENSIVE_SHARE / float(lights) + (1.0 - LIGHT_SAMPLER_DEFENSIVE_SHARE) * (light_sampler.cdf[i] / total);
         light_sampler.cdf[i] = sum;
+    }
+    light_sampler.count = lights;
+}
+
+LightSampler light_sampler_at(SceneRef scene, uint lights, vec3 position, vec3 normal) {
+    float total;
+    LightSampler light_sampler = light_sampler_weighed(scene, lights, position, normal, total);
+    light_sampler_by_weight(light_sampler, lights, total);
+    return light_sampler;
+}
+
+// The end of the group of lights that starts with `first`; `starts` has a bit for the first light of each group. `sum`: of
+// the weights of the group.
+uint light_group_end(LightSampler weighed, uint lights, uint starts, uint first, out float sum) {
+    sum = weighed.cdf[first];
+    uint end = first + 1u;
+    for (; end < lights && (starts >> end & 1u) == 0u; end++) sum += weighed.cdf[end];
+    return end;
+}
+
+// Groups, as bits of their first lights, that would get more than one of the rays by their weights.
+uint light_groups_strongest(LightSampler weighed, uint lights, uint starts, uint rays) {
+    uint found = 0u;
+    for (uint count = 0u; count + 1u < rays; count++) {
+        float all = 0.0, largest = 0.0, sum;
+        uint at = 0u;
+        for (uint first = 0u, end; first < lights; first = end) {
+            end = light_group_end(weighed, lights, starts, first, sum);
+            if ((found >> first & 1u) != 0u) continue;
+            all += sum;
+            if (sum > largest) {
+                largest = sum;
+                at = first;
+            }
+        }
+        if (!(largest * float(rays - count) > all)) break;
+        found |= 1u << at;
+    }
+    return found;
+}
+
+// The probability of a light within a group of this sum of weights.
+float light_within(float weight, float sum, uint lights) {
+    float even = 1.0 / float(lights);
+    return LIGHT_SAMPLER_DEFENSIVE_SHARE * even
+        + (1.0 - LIGHT_SAMPLER_DEFENSIVE_SHARE) * (sum > 0.0 ? weight / sum : even);
+}
+
+// For `rays` shadow rays, whose random words are the same but for a multiple of a part of their range. Twin of photon-core's
+// light_sampler/groups.rs.
+LightSampler light_sampler_for_rays(
+    SceneRef scene, uint lights, uint starts, uint rays, vec3 position, vec3 normal) {
+    float total, sum;
+    LightSampler light_sampler = light_sampler_weighed(scene, lights, position, normal, total);
+    uint seen = 0u;
+    for (uint first = 0u, end; first < lights; first = end) {
+        end = light_group_end(light_sampler, lights, starts, first, sum);
+        if (sum > 0.0) seen |= 1u << first;
+    }
+    uint count = uint(bitCount(seen));
+    bool enough = count <= rays;
+    uint with_ray = enough ? seen : light_groups_strongest(light_sampler, lights, starts, rays);
+    if (with_ray == 0u || count < 2u || !is_positive_finite(total)) {
+        light_sampler_by_weight(light_sampler, lights, total);
+        return light_sampler;
+    }
+    uint other_lights = 0u;
+    float other_weights = 0.0;
+    for (uint first = 0u, end; first < lights; first = end) {
+        end = light_group_end(light_sampler, lights, starts, first, sum);
+        if ((with_ray >> first & 1u) != 0u) continue;
+        other_lights += end - first;
+        other_weights += sum;
+    }
+    float unseen = LIGHT_SAMPLER_UNSEEN_SHARE / float(lights);
+    float in_view = enough ? 1.0 - unseen * float(other_lights) : 1.0;
+    float of_group = 1.0 / float(rays);
+    float rest = float(rays - uint(bitCount(with_ray))) * of_group;
+    float cumulative = 0.0;
+    for (uint first = 0u, end; first < lights; first = end) {
+        end = light_group_end(light_sampler, lights, starts, first, sum);
+        for (uint i = first; i < end; i++) {
+            float weight = light_sampler.cdf[i];
+            if ((with_ray >> first & 1u) != 0u) {
+                float within = of_group * light_within(weight, sum, end - first);
+                cumulative += enough ? in_view * (within + rest * (weight / total)) : within;
+            } else {
+                cumulative += enough ? unseen : rest * light_within(weight, other_weights, other_lights);
+            }
+            light_sampler.cdf[i] = cumulative;
+        }
     }
     light_sampler.count = lights;
     return light_sampler;

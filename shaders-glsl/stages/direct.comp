@@ -11,6 +11,8 @@ layout(constant_id = 0) const uint FEATURES = 511;
 // Number of lights that are weighted at each query; 0 for one light and for a light tree.
 layout(constant_id = 2) const uint WEIGHED = 0;
 layout(constant_id = 3) const uint MEDIA = 1;
+// A bit for the first light of each group; 0 without groups.
+layout(constant_id = 4) const uint GROUPS = 0;
 
 #include "shading/constants.glsl"
 #include "device/grid.glsl"
@@ -85,14 +87,17 @@ void main() {
     }
     uint coat = GLOSSY ? push.queries[i].at.coat : 0u;
     vec3 from = off_surface(position, normal);
-    LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, position, normal);
+    LightSampler light_sampler = GROUPS == 0u
+        ? light_sampler_at(push.scene, WEIGHED, position, normal)
+        : light_sampler_for_rays(push.scene, WEIGHED, GROUPS, push.rays, position, normal);
+    uint systematic = GROUPS == 0u ? 0u : philox4x32(uvec4(key, 0u, push.pass, DOMAIN_SHADOW), push.seed).x;
     vec3 sum = vec3(0.0);
     vec3 low = vec3(0.0);
     for (uint k = push.start_ray; k < push.end_ray; k++) {
         uvec4 words = philox4x32(uvec4(key, k, push.pass, DOMAIN_SHADOW), push.seed);
         float share;
         uint index = light_sampler_pick(
-            push.scene, light_sampler, uvec2(stratum(k, push.rays, words.x), words.w), share);
+            push.scene, light_sampler, uvec2(stratum(k, push.rays, GROUPS == 0u ? words.x : systematic), words.w), share);
         LightSample found;
         if (!light_sample(push.scene, index, from, words, found)) continue;
         Ray ray = found.ray;

@@ -5,9 +5,10 @@ use std::time::Instant;
 
 use photon_core::glam::Vec3;
 use photon_core::{
-    EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, Material, MediaFeatures, Medium, MediumStack,
-    Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded, SkipLimit, Solids,
-    SurfaceInteraction, alpha, interface, math, offset, radiance_scale, roughest_caustic, shadow_terminator,
+    EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, LightGroups, Material, MediaFeatures, Medium,
+    MediumStack, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded,
+    SkipLimit, Solids, SurfaceInteraction, alpha, interface, math, offset, radiance_scale, roughest_caustic,
+    shadow_terminator,
 };
 use rayon::prelude::*;
 
@@ -30,6 +31,8 @@ pub struct CpuScene {
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
     /// For shadow rays in a scene with many lights.
+    /// Groups of lights that each have a shadow ray, if there are rays enough.
+    pub(crate) light_groups: LightGroups,
     pub(crate) light_tree: Option<CpuLightTree>,
     pub(crate) environment: Option<EnvironmentMap>,
     pub(crate) portals: Vec<Portal>,
@@ -95,6 +98,7 @@ impl CpuScene {
             materials: view.materials.to_vec(),
             lights: view.lights.to_vec(),
             light_cdf: view.light_cdf.to_vec(),
+            light_groups: LightGroups::new(view),
             light_tree: by_tree.then(|| CpuLightTree::new(view)),
             environment: view.environment.cloned(),
             portals: view.portals.to_vec(),

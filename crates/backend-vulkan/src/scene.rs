@@ -5,8 +5,8 @@ use std::time::Instant;
 use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
 use photon_core::{
-    Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability, offset,
-    parallel, roughest_caustic,
+    Error, Features, LightGroups, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability,
+    offset, parallel, roughest_caustic,
 };
 use photon_scene::CompressedTree;
 
@@ -36,6 +36,7 @@ pub struct VulkanScene {
     features: Features,
     media: MediaFeatures,
     light_count: u32,
+    light_groups: LightGroups,
     /// Address and number of the portals.
     portals: (u64, u32),
     has_vertex_normals: bool,
@@ -158,6 +159,7 @@ impl VulkanScene {
             features,
             media,
             light_count,
+            light_groups: LightGroups::new(view),
             portals,
             has_vertex_normals,
             roughest_caustic: roughest_caustic(view),
@@ -200,6 +202,11 @@ impl VulkanScene {
     /// Number of lights.
     pub(crate) fn light_count(&self) -> u32 {
         self.light_count
+    }
+
+    /// Groups of lights that each have a shadow ray, if there are rays enough.
+    pub(crate) fn light_groups(&self) -> LightGroups {
+        self.light_groups
     }
 
     /// Address and number of the portals; 0 without any.

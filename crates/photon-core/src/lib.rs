@@ -60,6 +60,7 @@ pub use scene::caster::{Hit, Ray, RayCaster, SkipLimit};
 pub use scene::environment::{EnvironmentMap, EnvironmentRow};
 pub use scene::layout::{Element, ErrorMoments, Estimate, Photon, PhotonRay, Query};
 pub use scene::light::Light;
+pub use scene::light_groups::LightGroups;
 pub use scene::light_shares::{LightShare, light_shares};
 pub use scene::material::{Material, MaterialKind, Primitive};
 pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radiance_scale};

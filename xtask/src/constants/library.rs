@@ -58,6 +58,7 @@ pub(super) fn groups() -> Vec<Group> {
             vec![
                 ("LIGHT_SAMPLER_MAX_LIGHTS", (light_sampler::MAX_LIGHTS as u32).into()),
                 ("LIGHT_SAMPLER_DEFENSIVE_SHARE", Number::Float(light_sampler::DEFENSIVE_SHARE)),
+                ("LIGHT_SAMPLER_UNSEEN_SHARE", Number::Float(light_sampler::UNSEEN_SHARE)),
             ],
         ),
         (

@@ -103,15 +103,18 @@ fn irradiance<const SHADED: bool>(
         position += shadow_terminator::unpack(query.offset_or_wo);
         normal = shading;
     }
-    let light_sampler = LightSampler::at(scene, position, normal);
+    let light_sampler = LightSampler::for_rays(scene, rays, position, normal);
     let from = offset::off_surface(position, normal);
     // Cosine to the shading normal; 0 or below on the far side of the surface.
     let cosine_of = |direction: Vec3| {
         if has_shading_normals { shading_normal::cosine(direction, normal, shading) } else { normal.dot(direction) }
     };
     let mut sum = [0.0; 3];
+    let is_systematic = scene.light_groups.starts() != 0;
+    let [systematic, ..] = if is_systematic { sampler.words(0) } else { [0; 4] };
     let mut draw = |ray: u32| {
         let [choice, u, v, low] = sampler.words(ray);
+        let choice = if is_systematic { systematic } else { choice };
         // Each ray samples its own stratum of the lights.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
         ([choice, low], [u, v, low])

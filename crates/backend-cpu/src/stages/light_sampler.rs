@@ -17,14 +17,18 @@ pub(crate) struct LightSampler<'a> {
 impl<'a> LightSampler<'a> {
     /// At a surface point with this geometric normal, which faces the lit side.
     pub(crate) fn at(scene: &'a CpuScene, position: Vec3, normal: Vec3) -> Self {
-        let probabilities = Probabilities::new(scene.lights.len(), |index| {
-            let light = &scene.lights[index];
-            let triangle = || {
-                let primitive = light.primitive as usize;
-                (scene.vertices[primitive], scene.primitives[primitive].normal.into())
-            };
-            weigh(light, triangle, position, normal)
-        });
+        let probabilities = Probabilities::new(scene.lights.len(), weights(scene, position, normal));
+        Self::new(scene, position, normal, probabilities)
+    }
+
+    /// The same for this many shadow rays from there.
+    pub(crate) fn for_rays(scene: &'a CpuScene, rays: u32, position: Vec3, normal: Vec3) -> Self {
+        let weights = weights(scene, position, normal);
+        let probabilities = Probabilities::for_rays(scene.lights.len(), scene.light_groups, rays, weights);
+        Self::new(scene, position, normal, probabilities)
+    }
+
+    fn new(scene: &'a CpuScene, position: Vec3, normal: Vec3, probabilities: Probabilities) -> Self {
         let tree = scene.light_tree.as_ref().map(|tree| (tree, position, normal));
         Self { probabilities, light_cdf: &scene.light_cdf, tree }
     }
@@ -44,5 +48,17 @@ impl<'a> LightSampler<'a> {
             Some((tree, position, normal)) => tree.probability(self.light_cdf, position, normal, index),
             None => self.probabilities.probability(self.light_cdf, index),
         }
+    }
+}
+
+/// The weights of the lights.
+fn weights(scene: &CpuScene, position: Vec3, normal: Vec3) -> impl Fn(usize) -> f32 {
+    move |index| {
+        let light = &scene.lights[index];
+        let triangle = || {
+            let primitive = light.primitive as usize;
+            (scene.vertices[primitive], scene.primitives[primitive].normal.into())
+        };
+        weigh(light, triangle, position, normal)
     }
 }

@@ -1,5 +1,6 @@
 //! The selection of lights compared with photon-core's, which sums and divides in f64.
 
+use photon_core::LightGroups;
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::{LightSampler, light_of_triangle, weigh};
 
@@ -25,6 +26,7 @@ pub(super) fn rows() -> Vec<Row> {
         row("light_sampler_at", 1, condition, cumulative),
         row("light_sampler_pick", 2, condition_of_pick, picked),
         row("light_sampler_probability", 3, |i| 2.0 * condition(i), probability),
+        row("light_sampler_for_rays", 5, condition_of_groups, |i| cumulative_sums(&for_rays(i))),
         Row { bound: Bound::Words, draw: triangle, ..row("light_of_triangle", 4, |_| 0.0, |i| words([light(i.0[8])])) },
     ]
 }
@@ -38,6 +40,7 @@ fn point(d: &mut Draw) -> Input {
         (input.0[axis], input.0[4 + axis]) = (position[axis].to_bits(), normal[axis].to_bits());
     }
     input.0[3] = d.word() % lights;
+    input.0[7] = LightGroups::new(&SCENE.view()).starts() << 8 | d.pick(&[1, 2, 3, 4, 6, 16]);
     input.0[8] = if d.now_and_then() { d.pick(&[0, 1, u32::MAX]) } else { d.word() };
     input.0[9] = if d.word().is_multiple_of(8) { 0 } else { lights };
     input
@@ -74,8 +77,17 @@ fn sampler(i: &Input) -> LightSampler {
     LightSampler::new(i.0[9] as usize, |index| weight(place(i), index as u32))
 }
 
+/// For as many rays, with those groups of lights, as `i.0[7]` has.
+fn for_rays(i: &Input) -> LightSampler {
+    let groups = LightGroups::from_starts(i.0[7] >> 8);
+    LightSampler::for_rays(i.0[9] as usize, groups, i.0[7] & 255, |index| weight(place(i), index as u32))
+}
+
 fn cumulative(i: &Input) -> Output {
-    let sampler = sampler(i);
+    cumulative_sums(&sampler(i))
+}
+
+fn cumulative_sums(sampler: &LightSampler) -> Output {
     output::<8>(std::array::from_fn(|index| sampler.cdf().get(index).map_or(0.0, |&sum| sum as f32)))
 }
 
@@ -122,6 +134,34 @@ fn condition(i: &Input) -> f64 {
     }
 }
 
+/// The same with groups of lights, whose weights are divided by the sum of the group or of those without a ray; infinite where
+/// rounding may decide whether a group has a weight, or a ray.
+fn condition_of_groups(i: &Input) -> f64 {
+    let (lights, groups) = (i.0[9] as usize, LightGroups::from_starts(i.0[7] >> 8));
+    let weight_of = |index: usize| f64::from(weight(place(i), index as u32));
+    let condition_of = |index: usize| condition_of_weight(i, index as u32);
+    let mut of_groups: Vec<[f64; 2]> = groups
+        .of(lights)
+        .map(|[first, end]| [(first..end).map(weight_of).sum(), (first..end).map(condition_of).sum()])
+        .collect();
+    let relative = |[sum, condition]: [f64; 2]| if condition > 0.0 { condition / sum } else { 0.0 };
+    let mut all = condition(i) + of_groups.iter().copied().map(relative).sum::<f64>();
+    // The strongest first: each is compared with the mean over the rays that are left.
+    of_groups.sort_by(|a, b| b[0].total_cmp(&a[0]));
+    let (mut rest, mut rays) =
+        (of_groups.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]), f64::from(i.0[7] & 255));
+    for [sum, condition] in of_groups {
+        let is_tied = (sum * rays / rest[0] - 1.0).abs() < 1e-4;
+        all += if is_tied { f64::INFINITY } else { relative(rest) };
+        rest = [rest[0] - sum, rest[1] - condition];
+        rays -= 1.0;
+        if rays < 1.0 {
+            break;
+        }
+    }
+    if all < 1e4 { all } else { f64::INFINITY }
+}
+
 /// The same for the light that is picked and its probability; infinite where rounding may decide which one it is.
 fn condition_of_pick(i: &Input) -> f64 {
     let condition = condition(i);
@@ -152,6 +192,7 @@ fn lights_are_selected_as_in_rust() {
             1 => |i| cumulative(&by_power(i)),
             3 => |i| probability(&by_power(i)),
             4 => |i| words([light(i.0[8]) ^ 1]),
+            5 => cumulative,
             _ => |i| picked(&by_power(i)),
         };
         assert_twin(&mut on, &row, &address, wrong);

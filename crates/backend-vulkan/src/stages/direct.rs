@@ -41,7 +41,7 @@ pushed!(
 
 specialized!(
     direct_constants: DirectConstants => STAGES_DIRECT,
-    0 features: Features, 2 weighed: u32, 3 media: MediaFeatures; default shared_groups
+    0 features: Features, 2 weighed: u32, 3 media: MediaFeatures, 4 groups: u32; default shared_groups
 );
 
 /// Number of lights that kernels weight at each point; 0 if they are chosen by power alone.
@@ -63,7 +63,12 @@ impl DirectLight<Vulkan> for VulkanDirect {
         if shadow_rays == 0 {
             return Ok(());
         }
-        let constants = DirectConstants { features: scene.features(), weighed: weighed(scene), media: scene.media() };
+        let constants = DirectConstants {
+            features: scene.features(),
+            weighed: weighed(scene),
+            media: scene.media(),
+            groups: scene.light_groups().starts(),
+        };
         let kernel = on.kernel(&shaders::STAGES_DIRECT, GROUP, &constants)?;
         // The number of queries is not needed on the host: dispatch for the full capacity.
         let capacity = queries.capacity();

@@ -7,6 +7,7 @@ pub(crate) mod environment;
 pub(crate) mod guide;
 pub(crate) mod layout;
 pub(crate) mod light;
+pub(crate) mod light_groups;
 pub(crate) mod light_shares;
 pub(crate) mod material;
 pub(crate) mod media;

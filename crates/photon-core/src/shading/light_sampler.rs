@@ -9,6 +9,9 @@ use crate::scene::light::Light;
 use crate::scene::{light_probability, pick_light};
 use crate::shading::{sampling, solid_angle};
 
+mod groups;
+pub use groups::UNSEEN_SHARE;
+
 /// With at most this many lights, each query weights them individually; with more, by a
 /// [light tree](super::light_tree).
 pub const MAX_LIGHTS: usize = 16;

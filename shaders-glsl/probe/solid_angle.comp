@@ -17,10 +17,14 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         return Output(uvec4(uint(solid_angle_is_near(a.xyz, b.xyz, c.xyz)), 0u, 0u, 0u), uvec4(0u));
     }
     if (FUNCTION == 1u) return floats(vec4(solid_angle_of(a.xyz, b.xyz, c.xyz, a.w, b.w), 0.0, 0.0, 0.0), vec4(0.0));
+    if (FUNCTION == 3u) return floats(vec4(cosine_warp(a.x, a.y, a.z, unit_f32(words.b.x), unit_f32(words.b.y)), 0.0), vec4(0.0));
     uint packed = floatBitsToUint(c.w);
+    // Not by ?:, which drivers fold to a vector with one component.
+    vec3 normal = vec3(0.0);
+    if (FUNCTION == 4u) normal = vec3(0.36, 0.48, 0.8);
     vec2 weights;
     float angle;
     bool wide = solid_angle_sample(
-        a.xyz, b.xyz, c.xyz, a.w, b.w, unit_f32(packed & 0xFFFF0000u), unit_f32(packed << 16), weights, angle);
+        a.xyz, b.xyz, c.xyz, a.w, b.w, normal, unit_f32(packed & 0xFFFF0000u), unit_f32(packed << 16), weights, angle);
     return floats(vec4(wide ? 1.0 : 0.0, weights, angle), vec4(0.0));
 }

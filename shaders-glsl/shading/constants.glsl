@@ -220,6 +220,7 @@ const uint SHEEN_TABLE_SIZE = 64u;
 const uint SHEEN_NODES = 16u;
 
 // solid_angle.
+const float COSINE_WARP_EVEN_SHARE = 0.10000000149011612;
 const float SOLID_ANGLE_NEAR = 32.0;
 const float SOLID_ANGLE_MIN_HEIGHT = 4.76837158203125e-7;
 

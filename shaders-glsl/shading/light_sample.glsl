@@ -58,24 +58,25 @@ struct Target {
     vec3 to;
     // The normal of an area light on the side that the ray arrives at.
     vec3 front;
-    // Solid angle of the whole area light, if the point is uniform in solid angle; 0 if it is uniform in area.
-    float solid_angle;
+    // The reciprocal of the density per solid angle; 0 if the point is uniform in area.
+    float per_pdf;
     // Its barycentric coordinates on the triangle of an area light.
     vec2 weights;
 };
 
 // Samples a point of a triangle, on the side that faces the query; returns false if none does.
-bool at_area_light(Emission area_light, Light light, vec3 from, float u, float v, out Target target) {
+bool at_area_light(
+    Emission area_light, Light light, vec3 from, vec3 normal, float u, float v, out Target target) {
     LightView view = light_view(area_light, light, from);
     target.front = view.front;
-    target.solid_angle = 0.0;
+    target.per_pdf = 0.0;
     target.to = area_light.a;
     target.weights = vec2(0.0);
     if (!(view.height > (view.near ? SOLID_ANGLE_MIN_HEIGHT : 0.0))) return false;
     vec2 weights;
     if (!view.near
         || !solid_angle_sample(
-            view.a, view.b, view.c, view.height, light.area, u, v, weights, target.solid_angle)) {
+            view.a, view.b, view.c, view.height, light.area, normal, u, v, weights, target.per_pdf)) {
         weights = sampling_triangle(u, v);
     }
     target.weights = weights;
@@ -98,8 +99,9 @@ float light_sample_pdf(SceneRef scene, uint index, vec3 from, vec3 direction, fl
     return cosine > 0.0 ? far * far / (light.area * cosine) : 0.0;
 }
 
-// Samples a light as seen from `from`, a point just above the surface. Returns false if the light faces the other way.
-bool light_sample(SceneRef scene, uint index, vec3 from, uvec4 words, out LightSample found) {
+// Samples a light as seen from `from`, a point just above the surface. Returns false if the light faces the other way. Unless the
+// normal is 0, directions to a nearby area light are roughly in proportion to the cosine to it; light_sample_pdf is without.
+bool light_sample(SceneRef scene, uint index, vec3 from, vec3 normal, uvec4 words, out LightSample found) {
     Light light = scene.lights[index].at;
     found = LightSample(Ray(from, vec3(0.0, 0.0, 1.0), 0.0), light.power, 1.0, 1.0, 0.0);
     if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0 && light.kind == LIGHT_DIRECTIONAL) {
@@ -122,7 +124,7 @@ bool light_sample(SceneRef scene, uint index, vec3 from, uvec4 words, out LightS
     }
     Target target = Target(light.position, vec3(0.0), 0.0, vec2(0.0));
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE
-        && !at_area_light(scene.emissions[index].at, light, from, unit_f32(words.y), unit_f32(words.z), target)) {
+        && !at_area_light(scene.emissions[index].at, light, from, normal, unit_f32(words.y), unit_f32(words.z), target)) {
         return false;
     }
     vec3 gap = target.to - from;
@@ -140,11 +142,11 @@ bool light_sample(SceneRef scene, uint index, vec3 from, uvec4 words, out LightS
     }
     // A two-sided light splits its power between its sides; only the one facing the query contributes.
     float sides = (light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0;
-    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && target.solid_angle > 0.0) {
+    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && target.per_pdf > 0.0) {
         // The radiance is the power divided by π and the area.
         found.color = power * sides;
-        found.factor = target.solid_angle * 0.318309886 / light.area;
-        found.pdf = 1.0 / target.solid_angle;
+        found.factor = target.per_pdf * 0.318309886 / light.area;
+        found.pdf = 1.0 / target.per_pdf;
         return true;
     }
     found.divisor = square;

@@ -38,13 +38,16 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
             power = 0.5 * power;
         }
         if (!(height > SOLID_ANGLE_MIN_HEIGHT)) return 0.0;
-        // Radiance times solid angle: the cosine here varies over a nearby area light, and is omitted.
+        // Radiance times solid angle and the mean cosine of the corners: 0 only if all of them are below the horizon.
+        vec3 above = max(vec3(dot3(normal, a), dot3(normal, b), dot3(normal, c)), 0.0);
         if (solid_angle_is_near(a, b, c)) {
-            return power * solid_angle_of(a, b, c, height, light.area) / (3.14159265 * light.area);
+            vec3 lengths = sqrt(vec3(dot3(a, a), dot3(b, b), dot3(c, c)));
+            float cosine = (above.x / lengths.x + above.y / lengths.y + above.z / lengths.z) / 3.0;
+            return power * (solid_angle_of(a, b, c, height, light.area) * cosine) / (3.14159265 * light.area);
         }
         vec3 gap = (a + b + c) / 3.0;
         float square = dot3(gap, gap);
-        return power * height / (3.14159265 * (square * sqrt(square)));
+        return power * (height * ((above.x + above.y + above.z) / 3.0)) / (3.14159265 * (square * square));
     }
     if ((FEATURES & FEATURE_ENVIRONMENT) != 0 && light.kind == LIGHT_ENVIRONMENT) {
         return power / (4.0 * 3.14159265 * light.radius * light.radius);

@@ -4,6 +4,7 @@
 #define SOLID_ANGLE_GLSL
 
 #include "shading/constants.glsl"
+#include "shading/cosine_warp.glsl"
 #include "shading/math.glsl"
 
 // Whether a triangle is nearer than four times its radius.
@@ -32,13 +33,14 @@ float solid_angle_share(float first, float second) {
     return both > 0.0 ? min(first / both, 1.0) : 0.0;
 }
 
-// Barycentric weights of the second and the third corner for a direction uniform in the solid angle, and that
-// angle; returns false if the triangle is too thin for it.
+// Barycentric weights of the second and the third corner for a direction uniform in the solid angle, or, unless the normal is 0,
+// roughly in proportion to the cosine to it; and the reciprocal of its density per solid angle. Returns false if the triangle is
+// too thin for it.
 bool solid_angle_sample(
-    vec3 a, vec3 b, vec3 c, float height, float area, float u, float v, out vec2 weights, out float solid_angle
+    vec3 a, vec3 b, vec3 c, float height, float area, vec3 normal, float u, float v, out vec2 weights, out float per_pdf
 ) {
     weights = vec2(0.0);
-    solid_angle = 0.0;
+    per_pdf = 0.0;
     float x = sqrt(dot3(a, a));
     float y = sqrt(dot3(b, b));
     float z = sqrt(dot3(c, c));
@@ -72,6 +74,13 @@ bool solid_angle_sample(
     float breadth = sqrt(dot3(across, across));
     if (!(half_turns > 0.0 && volume > 0.0 && breadth > 0.0)) return false;
     precise vec3 tangent = across * (1.0 / breadth);
+    float per_density = 1.0;
+    if (normal != vec3(0.0)) {
+        vec3 warped = cosine_warp(dot3(normal, from), dot3(normal, pole), dot3(normal, to), u, v);
+        u = warped.x;
+        v = warped.y;
+        per_density = warped.z;
+    }
     precise float turns = u * half_turns;
     vec2 sin_cos = sin_cos_turns(turns);
     precise float rise = sin_cos.x * max(1.0 + dot3(from, pole), 0.0);
@@ -97,8 +106,8 @@ bool solid_angle_sample(
     precise float transmitted = solid_angle_share(here, left);
     precise vec3 three = vec3(transmitted * (1.0 - along), 1.0 - transmitted, transmitted * along);
     weights = first == 0u ? three.yz : (first == 1u ? three.xy : three.zx);
-    precise float angle = 12.566371 * half_turns;
-    solid_angle = angle;
+    precise float angle = 12.566371 * half_turns * per_density;
+    per_pdf = angle;
     return true;
 }
 

@@ -99,7 +99,7 @@ void main() {
         uint index = light_sampler_pick(
             push.scene, light_sampler, uvec2(stratum(k, push.rays, GROUPS == 0u ? words.x : systematic), words.w), share);
         LightSample found;
-        if (!light_sample(push.scene, index, from, words, found)) continue;
+        if (!light_sample(push.scene, index, from, normal, words, found)) continue;
         Ray ray = found.ray;
         float cosine =
             SHADING_NORMALS ? shading_cosine(ray.direction, normal, shading) : dot3(normal, ray.direction);

@@ -32,7 +32,7 @@ vec3 light_reflection(Path path, uint pixel, Surface at, vec3 normal, uint media
     float share;
     uint index = light_sampler_pick(push.scene, light_sampler, random.xw, share);
     LightSample found;
-    if (!light_sample(push.scene, index, off_surface(at.start, at.normal), random, found)) return vec3(0.0);
+    if (!light_sample(push.scene, index, off_surface(at.start, at.normal), vec3(0.0), random, found)) return vec3(0.0);
     vec3 direction = found.ray.direction;
     Reflected reflected = glossy_evaluate(push.scene, glossy, -path.ray.direction, direction, normal);
     vec3 value = light_sample_times(found, glossy_limited(direction, at.normal, normal)) * reflected.value;

@@ -23,7 +23,7 @@ vec3 light_through(Path path, uint pixel, Surface at, vec3 offset, vec3 normal, 
     float share;
     uint index = light_sampler_pick(push.scene, light_sampler, random.xw, share);
     LightSample found;
-    if (!light_sample(push.scene, index, off_surface(from.start, geometric), random, found)) return vec3(0.0);
+    if (!light_sample(push.scene, index, off_surface(from.start, geometric), vec3(0.0), random, found)) return vec3(0.0);
     vec3 direction = found.ray.direction;
     Reflected scattered = rough_glass_evaluate(push.scene, glass, -path.ray.direction, direction, normal);
     float limited = glossy_limited(direction, geometric, stays ? normal : -normal);

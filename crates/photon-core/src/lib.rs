@@ -93,7 +93,7 @@ pub use shading::scattering::{Scattering, Vertex};
 pub use shading::shade::{Shaded, Shading};
 pub use shading::sheen_lobe::SheenTable;
 pub use shading::{
-    alpha, anisotropy, area, clearcoat, fresnel, ggx, gloss_caustics, glossy, light_sampler, light_tree, math,
-    octahedral, offset, partial_transmission, photon_sample, portals, random, rough_glass, sampling, shade,
+    alpha, anisotropy, area, clearcoat, cosine_warp, fresnel, ggx, gloss_caustics, glossy, light_sampler, light_tree,
+    math, octahedral, offset, partial_transmission, photon_sample, portals, random, rough_glass, sampling, shade,
     shading_normal, shadow_terminator, sheen, sobol, solid_angle, texture,
 };

@@ -2,8 +2,8 @@
 
 use photon_core::{
     AlbedoTable, Coat, ConfidenceInterval, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, PixelRadii,
-    RoughGlassTable, SheenTable, anisotropy, area, clearcoat, ggx, glossy, kd_tree, light_sampler, light_tree,
-    neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen, solid_angle,
+    RoughGlassTable, SheenTable, anisotropy, area, clearcoat, cosine_warp, ggx, glossy, kd_tree, light_sampler,
+    light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -142,6 +142,7 @@ pub(super) fn groups() -> Vec<Group> {
         (
             "solid_angle.",
             vec![
+                ("COSINE_WARP_EVEN_SHARE", cosine_warp::EVEN_SHARE.into()),
                 ("SOLID_ANGLE_NEAR", solid_angle::NEAR.into()),
                 ("SOLID_ANGLE_MIN_HEIGHT", solid_angle::MIN_HEIGHT.into()),
             ],

@@ -132,7 +132,9 @@ fn irradiance<const SHADED: bool>(
         };
         let rest = (rays - first) as usize;
         for ((index, share), [u, v, low]) in picked.into_iter().zip(points).take(rest) {
-            let Some(sampled) = sample::<SHADED>(scene, &scene.lights[index], from, u, v) else { continue };
+            let Some(sampled) = sample::<SHADED>(scene, &scene.lights[index], from, Some(normal), [u, v]) else {
+                continue;
+            };
             let ray = sampled.ray;
             let cosine = cosine_of(ray.direction);
             if !(cosine > 0.0) {

@@ -174,7 +174,7 @@ impl Eye<'_> {
         }
         let [(index, share)] = LightSampler::at(scene, side.start, geometric).pick([[choice, low]]);
         let from = offset::off_surface(side.start, geometric);
-        let sampled = light_sample::sample::<true>(scene, &scene.lights[index], from, u, v)?;
+        let sampled = light_sample::sample::<true>(scene, &scene.lights[index], from, None, [u, v])?;
         let direction = sampled.ray.direction;
         let found = evaluate(direction);
         let value = sampled.times(glossy::limited(direction, geometric, shading)) * found.value;

@@ -28,14 +28,15 @@ impl LightSample {
 }
 
 /// Samples a point on a light as seen from `from`, a point just above the surface. `None` if the light faces the other
-/// way. `SHADED`: the light may be textured, or under a clearcoat.
+/// way. `SHADED`: the light may be textured, or under a clearcoat. With a `normal`, directions to a nearby area light are
+/// roughly in proportion to the cosine to it; [`pdf_of_triangle`] is without.
 #[inline(always)]
 pub(crate) fn sample<const SHADED: bool>(
     scene: &CpuScene,
     light: &Light,
     from: Vec3,
-    u: u32,
-    v: u32,
+    normal: Option<Vec3>,
+    [u, v]: [u32; 2],
 ) -> Option<LightSample> {
     let mut power = Vec3::from(light.power);
     if light.kind == Light::DIRECTIONAL {
@@ -56,10 +57,10 @@ pub(crate) fn sample<const SHADED: bool>(
         return Some(LightSample { ray, color: found.weight, factor: 1.0, divisor: 1.0, pdf: found.pdf });
     }
     let (u, v) = (unit_f32(u), unit_f32(v));
-    let Target { to, front, solid_angle, at: (b, c) } = if light.kind == Light::TRIANGLE {
-        at_area_light(scene, light, from, u, v)?
+    let Target { to, front, per_pdf, at: (b, c) } = if light.kind == Light::TRIANGLE {
+        at_area_light(scene, light, from, normal, [u, v])?
     } else {
-        Target { to: Vec3::from(light.position), front: Vec3::ZERO, solid_angle: 0.0, at: (0.0, 0.0) }
+        Target { to: Vec3::from(light.position), front: Vec3::ZERO, per_pdf: 0.0, at: (0.0, 0.0) }
     };
     if SHADED && light.kind == Light::TRIANGLE && scene.present.contains(Features::TEXTURED_LIGHTS) {
         power *= scene.emission_ratio(light, b, c);
@@ -74,10 +75,10 @@ pub(crate) fn sample<const SHADED: bool>(
     }
     // A two-sided light emits half its power on each side; only the side facing the query counts.
     let sides = if light.flags & Light::BOTH_SIDES != 0 { 0.5 } else { 1.0 };
-    if solid_angle > 0.0 {
+    if per_pdf > 0.0 {
         // Radiance is power / (π · area).
-        let per_power = solid_angle * std::f32::consts::FRAC_1_PI / light.area;
-        let pdf = 1.0 / solid_angle;
+        let per_power = per_pdf * std::f32::consts::FRAC_1_PI / light.area;
+        let pdf = 1.0 / per_pdf;
         return Some(LightSample { ray, color: power * sides, factor: per_power, divisor: 1.0, pdf });
     }
     // Radiant intensity towards the query.
@@ -150,25 +151,31 @@ struct Target {
     to: Vec3,
     /// Normal of an area light on the side where the ray arrives.
     front: Vec3,
-    /// Solid angle of the whole area light if the point is uniform in solid angle; 0 if it is uniform in area.
-    solid_angle: f32,
+    /// The reciprocal of the density per solid angle; 0 if the point is uniform in area.
+    per_pdf: f32,
     /// Its barycentric coordinates on the triangle of an area light.
     at: (f32, f32),
 }
 
 /// Samples a point of a triangle, on an emitting side that faces the query; `None` if there is none.
 #[inline]
-fn at_area_light(scene: &CpuScene, light: &Light, from: Vec3, u: f32, v: f32) -> Option<Target> {
+fn at_area_light(
+    scene: &CpuScene,
+    light: &Light,
+    from: Vec3,
+    normal: Option<Vec3>,
+    [u, v]: [f32; 2],
+) -> Option<Target> {
     let View { corners, front, height, near } = View::of(scene, light, from);
     if !(height > if near { solid_angle::MIN_HEIGHT } else { 0.0 }) {
         return None;
     }
-    let seen = if near { solid_angle::sample(corners, height, light.area, u, v) } else { None };
-    let ((b, c), solid_angle) = match seen {
-        Some(Seen { b, c, solid_angle }) => ((b, c), solid_angle),
+    let seen = if near { solid_angle::sample(corners, height, light.area, normal, u, v) } else { None };
+    let ((b, c), per_pdf) = match seen {
+        Some(Seen { b, c, per_pdf }) => ((b, c), per_pdf),
         None => (sampling::triangle(u, v), 0.0),
     };
     let vertices = scene.vertices[light.primitive as usize];
     let to = offset::off_surface(offset::barycentric(vertices, b, c), front);
-    Some(Target { to, front, solid_angle, at: (b, c) })
+    Some(Target { to, front, per_pdf, at: (b, c) })
 }

@@ -2,7 +2,7 @@
 
 use photon_core::glam::{DVec3, Vec3};
 use photon_core::random::unit_f32;
-use photon_core::solid_angle;
+use photon_core::{cosine_warp, solid_angle};
 
 use super::compare::Bound;
 use super::draw::{Draw, input, inputs};
@@ -22,8 +22,15 @@ pub(super) fn rows() -> Vec<Row> {
         row("solid_angle_sample", 2, Bound::Conditioned(2e-6, "its condition", condition_of_sample), |i| {
             sampled(corners(i), i)
         }),
+        row("solid_angle_sample, by cosine", 4, Bound::Conditioned(2e-6, "its condition", condition_by_cosine), |i| {
+            by_cosine(corners(i), i)
+        }),
+        Row { draw: cosines, ..row("cosine_warp", 3, Bound::Relative(2e-6), warped) },
     ]
 }
+
+/// A surface normal at the eye.
+const NORMAL: Vec3 = Vec3::new(0.36, 0.48, 0.8);
 
 fn corners(i: &Input) -> [Vec3; 3] {
     [i.vector(0), i.vector(4), i.vector(8)]
@@ -54,10 +61,34 @@ fn angle(corners: [Vec3; 3], i: &Input) -> Output {
 }
 
 fn sampled(corners: [Vec3; 3], i: &Input) -> Output {
+    towards(corners, i, None)
+}
+
+fn by_cosine(corners: [Vec3; 3], i: &Input) -> Output {
+    towards(corners, i, Some(NORMAL))
+}
+
+/// Cosines, some of them below 0, and two random words.
+fn cosines(d: &mut Draw) -> Input {
+    let mut made = input([0.0; 4], [0.0; 4], [0.0; 4]);
+    for place in 0..3 {
+        let cosine = if d.now_and_then() { d.pick(&[0.0, 1.0, 1e-6, -0.5]) } else { d.between(-0.3, 1.0) };
+        made.0[place] = cosine.to_bits();
+    }
+    (made.0[4], made.0[5]) = (d.word(), d.word());
+    made
+}
+
+fn warped(i: &Input) -> Output {
+    let (u, v, per_density) = cosine_warp::warp(i.vector(0).to_array(), unit_f32(i.0[4]), unit_f32(i.0[5]));
+    output([u, v, per_density])
+}
+
+fn towards(corners: [Vec3; 3], i: &Input, normal: Option<Vec3>) -> Output {
     let packed = i.0[11];
     let (u, v) = (unit_f32(packed & 0xFFFF_0000), unit_f32(packed << 16));
-    match solid_angle::sample(corners, i.float(3), i.float(7), u, v) {
-        Some(seen) => output([1.0, seen.b, seen.c, seen.solid_angle]),
+    match solid_angle::sample(corners, i.float(3), i.float(7), normal, u, v) {
+        Some(seen) => output([1.0, seen.b, seen.c, seen.per_pdf]),
         None => output([0.0]),
     }
 }
@@ -90,6 +121,10 @@ fn condition(i: &Input, function: fn([Vec3; 3], &Input) -> Output) -> f64 {
 /// - and the condition is infinite where rounding selects the pole, the corner opposite the smallest of three
 ///   cosines.
 fn condition_of_sample(i: &Input) -> f64 {
+    condition_of(i, sampled)
+}
+
+fn condition_of(i: &Input, function: fn([Vec3; 3], &Input) -> Output) -> f64 {
     const OFF: f64 = 2.0;
     let corners = corners(i).map(|corner| corner.as_dvec3());
     let units = corners.map(DVec3::normalize_or_zero);
@@ -103,20 +138,28 @@ fn condition_of_sample(i: &Input) -> f64 {
     }
     let half = (1.0 + cosines.iter().sum::<f64>()).hypot(a.cross(b).dot(c));
     let pole = cosines.iter().position(|&cosine| cosine <= sorted[0]).unwrap_or(0);
-    let [_, b, c, ..] = sampled(self::corners(i), i).map(|word| f64::from(f32::from_bits(word)));
+    let [_, b, c, ..] = function(self::corners(i), i).map(|word| f64::from(f32::from_bits(word)));
     let mut weights = [1.0 - b - c, b, c];
     weights[pole] = 0.0;
     let across = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
     let left = 1.0 + across.normalize_or_zero().dot(units[pole]);
-    let condition = condition(i, sampled).max(OFF / half).max(OFF / left.max(0.0));
+    let condition = condition(i, function).max(OFF / half).max(OFF / left.max(0.0));
     if condition > 1e4 { f64::INFINITY } else { condition }
+}
+
+/// With a normal the numbers change by errors of the cosines, relative to their sum.
+fn condition_by_cosine(i: &Input) -> f64 {
+    let sum: f32 = corners(i).map(|corner| NORMAL.dot(corner.normalize_or_zero()).max(0.0)).iter().sum();
+    let condition = condition_of(i, by_cosine) * (1.0 + 1.0 / f64::from(sum));
+    if condition < 1e4 { condition } else { f64::INFINITY }
 }
 
 /// The bounds are meaningful: most views are well-conditioned, and most have a positive solid angle.
 #[test]
 fn most_views_are_decided() {
     let inputs = inputs(view);
-    let conditions: [fn(&Input) -> f64; 2] = [|input| condition(input, angle), condition_of_sample];
+    let conditions: [fn(&Input) -> f64; 3] =
+        [|input| condition(input, angle), condition_of_sample, condition_by_cosine];
     for condition in conditions {
         let decided = inputs.iter().filter(|input| condition(input).is_finite()).count();
         assert!(decided * 2 > inputs.len(), "{decided} of {}", inputs.len());

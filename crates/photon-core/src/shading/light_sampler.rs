@@ -110,7 +110,7 @@ pub fn light_of_triangle(lights: &[Light], primitive: u32) -> Option<usize> {
 }
 
 /// Approximate unoccluded irradiance from a light at `position` on a surface with this normal, mean of RGB. 0 only if
-/// the irradiance is 0 or, to within rounding, the position lies in the light's plane.
+/// the irradiance is 0 or, to within rounding, the position lies in the light's plane or the light below the horizon.
 ///
 /// `triangle` returns the corners and the normal of an area light.
 #[inline]
@@ -133,13 +133,19 @@ pub fn weigh(light: &Light, triangle: impl FnOnce() -> ([Vec3; 3], Vec3), positi
             if !(height > solid_angle::MIN_HEIGHT) {
                 return 0.0;
             }
-            // Radiance times solid angle. The cosine at the query varies across a nearby area light and is omitted.
+            // Radiance times solid angle and the mean cosine of the corners: 0 only if all of them are below the horizon.
+            let above = corners.map(|corner| normal.dot(corner).max(0.0));
             if solid_angle::is_near(corners) {
-                return power * solid_angle::of(corners, height, light.area) / (std::f32::consts::PI * light.area);
+                let lengths = corners.map(Vec3::length);
+                let cosine = (above[0] / lengths[0] + above[1] / lengths[1] + above[2] / lengths[2]) / 3.0;
+                let solid_angle = solid_angle::of(corners, height, light.area);
+                return power * (solid_angle * cosine) / (std::f32::consts::PI * light.area);
             }
+            // Far away, all corners are about as far as the centroid.
             let gap = (corners[0] + corners[1] + corners[2]) / 3.0;
             let squared = gap.length_squared();
-            power * height / (std::f32::consts::PI * (squared * squared.sqrt()))
+            let mean = (above[0] + above[1] + above[2]) / 3.0;
+            power * (height * mean) / (std::f32::consts::PI * (squared * squared))
         }
         _ => {
             let gap = Vec3::from(light.position) - position;

@@ -8,6 +8,7 @@ mod bias;
 pub(crate) mod bsdf;
 pub mod clearcoat;
 mod coated_light;
+pub mod cosine_warp;
 pub(crate) mod environment;
 pub mod fresnel;
 pub mod ggx;

@@ -193,6 +193,45 @@ pub fn b10_no_shadow_ray_outshines_its_area_light<T: TestBackend>() {
     assert!(largest > 2.0 * most, "{largest}");
 }
 
+/// B11: each of as many lights as shadow rays gets one of them, whatever their weights: a point light that is occluded and would
+/// be 2500 times as bright as the others hides neither a second one, whose estimate has no noise, nor a rectangle (B4), whose
+/// standard deviation is that of one ray to it: below a quarter of its irradiance. One ray for all lights rarely finds them.
+pub fn b11_each_light_has_a_shadow_ray<T: TestBackend>() {
+    let lit = |with_rectangle: bool| {
+        let corners = [[-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]];
+        let mut builder =
+            if with_rectangle { with_area_light("rectangle", shapes::quad(corners), 1.0) } else { floor() };
+        let intensity = [100.0 / (4.0 * PI); 3];
+        let position = [3.0_f64.sqrt(), 1.0, 0.0];
+        builder.light("second", LightDesc::Point { position, intensity });
+        builder
+            .light("occluded", LightDesc::Point { position: [0.0, 0.2, 0.0], intensity: intensity.map(|i| 50.0 * i) });
+        let black = builder.material(MaterialDesc::lambert("black", [0.0; 3]));
+        // It hides 10⁻⁶ steradians of the rectangle.
+        let (high, half) = (0.19, 1e-4);
+        builder.quad(
+            "plate",
+            [[-half, high, half], [half, high, half], [half, high, -half], [-half, high, -half]],
+            black,
+        );
+        builder
+    };
+    let point = 0.994_718_4;
+    let (found, error) = irradiance::<T>(lit(false), 0.0, 2);
+    assert_agrees("second light", found, point, 0.0, 2e-5 * point);
+    assert!(error < 1e-5, "{error}");
+    let rectangle = PI * 0.554_126_4;
+    // 16 passes of 8 by 8 pixels.
+    let samples = 1024.0_f64;
+    for rays in [3, 4, 7] {
+        let (found, error) = irradiance::<T>(lit(true), 0.0, rays);
+        assert_agrees("second light and rectangle", found, point + rectangle, error, 1e-5);
+        assert!(error * samples.sqrt() < 0.25 * rectangle, "{rays} rays: {error}");
+    }
+    let (_, error) = irradiance::<T>(lit(true), 0.0, 1);
+    assert!(error * samples.sqrt() > point + rectangle, "{error}");
+}
+
 /// B8: the power of emissive surfaces.
 pub fn b8_power_of_emitters<T: TestBackend>() {
     let area = with_area_light(

@@ -137,7 +137,7 @@ macro_rules! whole_suite {
             direct::{
                 b1_point_light, b2_flux_through_a_disc, b3_lambertian_disc, b4_rectangle, b5_form_factors,
                 b8_power_of_emitters, b9_area_lights_near_by, b10_no_shadow_ray_outshines_its_area_light,
-                direct_light_by_photons_agrees,
+                b11_each_light_has_a_shadow_ray, direct_light_by_photons_agrees,
             }
             many_lights::{
                 g14_grid_of_point_lights, v14_powers_apart_and_coincident_lights, sun_among_many_lights,

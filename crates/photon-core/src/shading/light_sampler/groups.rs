@@ -28,31 +28,27 @@ impl LightSampler {
         for (index, place) in weights[..lights].iter_mut().enumerate() {
             *place = weight(index);
         }
-        let mut light_sampler = Self::new(lights, |index| weights[index]);
-        if light_sampler.count > 0 {
-            light_sampler.spread(&weights[..lights], groups, rays);
-        }
-        light_sampler
+        Self::spread(&weights[..lights], groups, rays).unwrap_or_else(|| Self::new(lights, |index| weights[index]))
     }
 
-    /// Changes the probabilities of groups that get exactly one ray, or at least one, and of the others.
+    /// `None` if no group has a ray of its own.
     #[inline]
-    fn spread(&mut self, weights: &[f32], groups: LightGroups, rays: u32) {
+    fn spread(weights: &[f32], groups: LightGroups, rays: u32) -> Option<Self> {
         let count = weights.len();
         let sum_of = |[first, end]: [usize; 2]| weights[first..end].iter().copied().map(f64::from).sum::<f64>();
         let has_weight = |group: &[usize; 2]| sum_of(*group) > 0.0;
         let seen = groups.of(count).filter(has_weight).fold(0_u32, |seen, [first, _]| seen | 1 << first);
         let enough = seen.count_ones() <= rays;
         let with_ray = if enough { seen } else { strongest(count, groups, rays, sum_of) };
-        if with_ray == 0 || seen.count_ones() < 2 {
-            return;
+        let total = sum_of([0, count]);
+        if with_ray == 0 || seen.count_ones() < 2 || !total.is_finite() {
+            return None;
         }
         // Lights whose groups have no ray of their own.
         let has_none = |&[first, _]: &[usize; 2]| with_ray >> first & 1 == 0;
         let others = || groups.of(count).filter(has_none);
         let other_lights = others().map(|[first, end]| end - first).sum::<usize>() as f64;
         let other_weights = others().map(sum_of).sum::<f64>();
-        let total = sum_of([0, count]);
         let floor = UNSEEN_SHARE / count as f64;
         let in_view = if enough { 1.0 - floor * other_lights } else { 1.0 };
         let of_group = f64::from(rays).recip();
@@ -60,6 +56,7 @@ impl LightSampler {
         let within = |weight: f64, sum: f64, lights: f64| {
             DEFENSIVE_SHARE / lights + (1.0 - DEFENSIVE_SHARE) * if sum > 0.0 { weight / sum } else { lights.recip() }
         };
+        let mut light_sampler = Self { cdf: [0.0; MAX_LIGHTS], count };
         let mut cumulative = 0.0;
         for [first, end] in groups.of(count) {
             let (sum, lights) = (sum_of([first, end]), (end - first) as f64);
@@ -71,9 +68,10 @@ impl LightSampler {
                     (false, true) => floor,
                     (false, false) => rest * within(weight, other_weights, other_lights),
                 };
-                self.cdf[index] = cumulative;
+                light_sampler.cdf[index] = cumulative;
             }
         }
+        Some(light_sampler)
     }
 }
 

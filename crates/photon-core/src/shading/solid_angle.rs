@@ -284,9 +284,9 @@ mod tests {
             (Vec3::new(0.6, 0.0, 0.8), [Vec3::X, Vec3::Y, Vec3::Z], 0.5),
             (Vec3::Y, [Vec3::new(0.1, 1.0, 0.0), Vec3::new(0.2, 1.0, 3.0), Vec3::new(-2.0, 1.5, -0.5)], 0.2),
         ] {
-            let [a, b, c] = view.map(|corner| corner.as_dvec3().normalize());
+            let [a, b, c] = view.map(|corner| corner.as_dvec3().normalize_or_zero());
             let of_side =
-                |from: DVec3, to: DVec3| from.angle_between(to) * from.cross(to).normalize().dot(normal.as_dvec3());
+                |from: DVec3, to: DVec3| from.angle_between(to) * from.cross(to).normalize_or_zero().dot(normal.as_dvec3());
             let truth = 0.5 * (of_side(a, b) + of_side(b, c) + of_side(c, a)).abs();
             let (corners, height, area) = seen(view);
             let variance = |by: Option<Vec3>| {
@@ -295,7 +295,7 @@ mod tests {
                 for i in 0..n {
                     let (u, v) = numbers(i);
                     let Seen { b, c, per_pdf } = sample(corners, height, area, by, u, v).expect("wide");
-                    let direction = (view[0] * (1.0 - b - c) + view[1] * b + view[2] * c).normalize();
+                    let direction = (view[0] * (1.0 - b - c) + view[1] * b + view[2] * c).normalize_or_zero();
                     let value = f64::from(per_pdf * normal.dot(direction).max(0.0));
                     (sum, squares) = (sum + value, squares + value * value);
                 }

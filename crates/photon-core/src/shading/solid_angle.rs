@@ -285,8 +285,9 @@ mod tests {
             (Vec3::Y, [Vec3::new(0.1, 1.0, 0.0), Vec3::new(0.2, 1.0, 3.0), Vec3::new(-2.0, 1.5, -0.5)], 0.2),
         ] {
             let [a, b, c] = view.map(|corner| corner.as_dvec3().normalize_or_zero());
-            let of_side =
-                |from: DVec3, to: DVec3| from.angle_between(to) * from.cross(to).normalize_or_zero().dot(normal.as_dvec3());
+            let of_side = |from: DVec3, to: DVec3| {
+                from.angle_between(to) * from.cross(to).normalize_or_zero().dot(normal.as_dvec3())
+            };
             let truth = 0.5 * (of_side(a, b) + of_side(b, c) + of_side(c, a)).abs();
             let (corners, height, area) = seen(view);
             let variance = |by: Option<Vec3>| {

@@ -157,7 +157,7 @@ const float AREA_OUTER = 0.75;
 // light_sampler.
 const uint LIGHT_SAMPLER_MAX_LIGHTS = 16u;
 const float LIGHT_SAMPLER_DEFENSIVE_SHARE = 0.1;
-const float LIGHT_SAMPLER_UNSEEN_SHARE = 0.01;
+const float LIGHT_SAMPLER_UNSEEN_SHARE = 0.001;
 
 // light_tree.
 const uint LIGHT_TREE_WORDS = 3865470566u;
@@ -221,6 +221,7 @@ const uint SHEEN_NODES = 16u;
 
 // solid_angle.
 const float COSINE_WARP_EVEN_SHARE = 0.10000000149011612;
+const float COSINE_WARP_MIN_EVEN = 9.999999960041972e-13;
 const float SOLID_ANGLE_NEAR = 32.0;
 const float SOLID_ANGLE_MIN_HEIGHT = 4.76837158203125e-7;
 

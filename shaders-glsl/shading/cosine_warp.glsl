@@ -16,7 +16,7 @@ vec3 cosine_warp(float start, float pole, float finish, float u, float v) {
     pole = max(pole, 0.0);
     finish = max(finish, 0.0);
     precise float even = COSINE_WARP_EVEN_SHARE * (start + pole + finish);
-    if (!(even > 0.0)) return vec3(u, v, 1.0);
+    if (!(even > COSINE_WARP_MIN_EVEN)) return vec3(u, v, 1.0);
     start += even;
     pole += even;
     finish += even;

@@ -8,6 +8,7 @@
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
 #include "shading/solid_angle.glsl"
+#include "shading/sun.glsl"
 
 const uint NO_LIGHT = 0xFFFFFFFFu;
 
@@ -27,7 +28,13 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
     Light light = scene.lights[index].at;
     float power = (light.power.x + light.power.y + light.power.z) / 3.0;
     if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0 && light.kind == LIGHT_DIRECTIONAL) {
-        return power * max(-dot3(normal, light.direction), 0.0) / (3.14159265 * light.radius * light.radius);
+        float cosine = -dot3(normal, light.direction);
+        if (SUN) {
+            float sine = sqrt(max(light.versine_outer * (2.0 - light.versine_outer), 0.0));
+            float risen = max(cosine + sine, 0.0);
+            if (cosine < sine) cosine = risen * risen / (4.0 * sine);
+        }
+        return power * max(cosine, 0.0) / (3.14159265 * light.radius * light.radius);
     }
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE) {
         Emission area_light = scene.emissions[index].at;
@@ -41,7 +48,7 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
         // Radiance times solid angle and the mean cosine of the corners: 0 only if all of them are below the horizon.
         vec3 above = max(vec3(dot3(normal, a), dot3(normal, b), dot3(normal, c)), 0.0);
         if (solid_angle_is_near(a, b, c)) {
-            vec3 lengths = sqrt(vec3(dot3(a, a), dot3(b, b), dot3(c, c)));
+            vec3 lengths = max(sqrt(vec3(dot3(a, a), dot3(b, b), dot3(c, c))), 1.17549435e-38);
             float cosine = (above.x / lengths.x + above.y / lengths.y + above.z / lengths.z) / 3.0;
             return power * (solid_angle_of(a, b, c, height, light.area) * cosine) / (3.14159265 * light.area);
         }
@@ -149,7 +156,7 @@ LightSampler light_sampler_for_rays(
     uint count = uint(bitCount(seen));
     bool enough = count <= rays;
     uint with_ray = enough ? seen : light_groups_strongest(light_sampler, lights, starts, rays);
-    if (with_ray == 0u || count < 2u || !is_positive_finite(total)) {
+    if (with_ray == 0u || !is_positive_finite(total)) {
         light_sampler_by_weight(light_sampler, lights, total);
         return light_sampler;
     }

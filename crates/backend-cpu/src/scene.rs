@@ -30,9 +30,9 @@ pub struct CpuScene {
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
-    /// For shadow rays in a scene with many lights.
     /// Groups of lights that each have a shadow ray, if there are rays enough.
     pub(crate) light_groups: LightGroups,
+    /// For shadow rays in a scene with many lights.
     pub(crate) light_tree: Option<CpuLightTree>,
     pub(crate) environment: Option<EnvironmentMap>,
     pub(crate) portals: Vec<Portal>,

@@ -143,6 +143,7 @@ pub(super) fn groups() -> Vec<Group> {
             "solid_angle.",
             vec![
                 ("COSINE_WARP_EVEN_SHARE", cosine_warp::EVEN_SHARE.into()),
+                ("COSINE_WARP_MIN_EVEN", cosine_warp::MIN_EVEN.into()),
                 ("SOLID_ANGLE_NEAR", solid_angle::NEAR.into()),
                 ("SOLID_ANGLE_MIN_HEIGHT", solid_angle::MIN_HEIGHT.into()),
             ],

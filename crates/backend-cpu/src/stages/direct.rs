@@ -115,7 +115,7 @@ fn irradiance<const SHADED: bool>(
     let mut draw = |ray: u32| {
         let [choice, u, v, low] = sampler.words(ray);
         let choice = if is_systematic { systematic } else { choice };
-        // Each ray samples its own stratum of the lights.
+        // Each ray samples its own stratum of the lights, with groups at the same place within it.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
         ([choice, low], [u, v, low])
     };

@@ -5,13 +5,13 @@ use crate::scene::SceneView;
 use crate::scene::light::Light;
 
 /// Groups of consecutive lights: the triangles of an area light, or another light alone. A shadow ray to each group tells
-/// which of them are occluded; within a group, one triangle stands for the others.
+/// which of them are occluded; triangles of a group are mostly occluded together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LightGroups(u32);
 
 impl LightGroups {
     /// The groups of a scene's lights. Triangles of one group are consecutive, have the same material, and are connected by
-    /// corners. None if there is one group, or more than [`MAX_LIGHTS`] lights.
+    /// corners. Empty if there is one group, or more than [`MAX_LIGHTS`] lights.
     #[must_use]
     pub fn new(scene: &SceneView<'_>) -> Self {
         let count = scene.lights.len();
@@ -27,7 +27,7 @@ impl LightGroups {
         Self::from_starts(starts)
     }
 
-    /// From the lights that start a group, as bits. None if only one does.
+    /// From the lights that start a group, as bits. Empty if only one does.
     #[must_use]
     pub const fn from_starts(starts: u32) -> Self {
         if starts.count_ones() < 2 { Self(0) } else { Self(starts) }
@@ -39,7 +39,7 @@ impl LightGroups {
         self.0
     }
 
-    /// The groups of this many lights: the first light and the end of each.
+    /// The groups of this many lights, at most 32: the first light and the end of each.
     #[inline]
     pub fn of(self, lights: usize) -> impl Iterator<Item = [usize; 2]> {
         let mut next = 0;

@@ -1,6 +1,6 @@
 //! Selection of the light that a shadow ray samples.
 //!
-//! The probabilities are proportional to the unoccluded irradiance from each light, so that a weak light close by
+//! The probabilities are proportional to the unoccluded irradiance from each light, as far as there are no rays to all lights, so that a weak light close by
 //! or a narrow spotlight counts by its effect at the query and not by its share of the scene's power.
 
 use glam::Vec3;
@@ -17,7 +17,7 @@ pub use groups::UNSEEN_SHARE;
 pub const MAX_LIGHTS: usize = 16;
 
 /// The share of the probability that is spread evenly over all lights whatever their weights: if an occluded light
-/// outweighs all others, these still get this much.
+/// outweighs all others, these still get this much. [`LightSampler::for_rays`] spreads it within groups.
 pub const DEFENSIVE_SHARE: f64 = 0.1;
 
 /// The selection probabilities of the lights at one query.
@@ -120,7 +120,10 @@ pub fn weigh(light: &Light, triangle: impl FnOnce() -> ([Vec3; 3], Vec3), positi
     match light.kind {
         Light::DIRECTIONAL => {
             let cosine = -normal.dot(light.direction.into());
-            power * cosine.max(0.0) / (std::f32::consts::PI * light.radius * light.radius)
+            let sine = (light.versine_outer * (2.0 - light.versine_outer)).max(0.0).sqrt();
+            // A part of the disc of a sun may be above the horizon though its centre is below.
+            let risen = if cosine < sine { (cosine + sine).max(0.0).powi(2) / (4.0 * sine) } else { cosine };
+            power * risen.max(0.0) / (std::f32::consts::PI * light.radius * light.radius)
         }
         // As if the mean radiance arrived from a hemisphere.
         Light::ENVIRONMENT => power / (4.0 * std::f32::consts::PI * light.radius * light.radius),
@@ -136,7 +139,7 @@ pub fn weigh(light: &Light, triangle: impl FnOnce() -> ([Vec3; 3], Vec3), positi
             // Radiance times solid angle and the mean cosine of the corners: 0 only if all of them are below the horizon.
             let above = corners.map(|corner| normal.dot(corner).max(0.0));
             if solid_angle::is_near(corners) {
-                let lengths = corners.map(Vec3::length);
+                let lengths = corners.map(|corner| corner.length().max(f32::MIN_POSITIVE));
                 let cosine = (above[0] / lengths[0] + above[1] / lengths[1] + above[2] / lengths[2]) / 3.0;
                 let solid_angle = solid_angle::of(corners, height, light.area);
                 return power * (solid_angle * cosine) / (std::f32::consts::PI * light.area);
@@ -229,6 +232,26 @@ mod tests {
         for weight in [f32::INFINITY, f32::NAN] {
             assert!(LightSampler::new(2, |_| weight).cdf().is_empty());
         }
+    }
+
+    /// The weight of a sun is that of the part of its disc above the horizon, about: all of it, half with its centre on the
+    /// horizon, a little below, nothing beyond its radius.
+    #[test]
+    fn a_setting_sun_has_a_weight() {
+        let radius = 0.02_f32;
+        let versine_outer = 1.0 - radius.cos();
+        let weight = |elevation: f32, versine_outer: f32| {
+            let direction = [-elevation.cos(), 0.0, -elevation.sin()];
+            let kind = Light::DIRECTIONAL;
+            let light = Light { kind, power: [1.0; 3], direction, radius: 1.0, versine_outer, ..Light::default() };
+            weigh(&light, || unreachable!("a sun has no triangle"), Vec3::ZERO, Vec3::Z) * std::f32::consts::PI
+        };
+        for (elevation, expected) in [(0.5_f32, 0.5_f32.sin()), (radius, radius), (0.0, 0.25 * radius)] {
+            assert!((weight(elevation, versine_outer) - expected).abs() < 2e-3 * radius, "{elevation}");
+        }
+        assert!(weight(-0.9 * radius, versine_outer) > 0.0);
+        assert_eq!(weight(-1.1 * radius, versine_outer), 0.0);
+        assert_eq!(weight(-0.5 * radius, 0.0), 0.0, "parallel light");
     }
 
     /// Far from all lights, the weight is the irradiance of a point source.

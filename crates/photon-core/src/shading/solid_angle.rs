@@ -1,4 +1,4 @@
-//! Solid angles of triangles, and sampling of triangles uniformly in solid angle.
+//! Solid angles of triangles, and sampling of triangles uniformly in solid angle, or roughly in proportion to a cosine.
 //!
 //! The value of irradiance from a point sampled uniformly in the area of a light contains the cosines
 //! divided by the squared distance, which is unbounded near the light, and has infinite variance where a
@@ -61,7 +61,7 @@ pub fn of([a, b, c]: [Vec3; 3], height: f32, area: f32) -> f32 {
     4.0 * std::f32::consts::PI * turns_of(2.0 * area * height, rest)
 }
 
-/// Samples a point on a triangle uniformly in solid angle, for `u` and `v` uniform in `[0, 1)`.
+/// Samples a point on a triangle uniformly in solid angle, unless there is a normal, for `u` and `v` uniform in `[0, 1)`.
 ///
 /// With a surface normal, the density of the directions is roughly proportional to the cosine to it, by
 /// [`cosine_warp::warp`].

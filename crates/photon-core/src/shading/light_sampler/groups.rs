@@ -2,22 +2,22 @@
 //!
 //! If one light outweighs the others and is occluded, rays in proportion to the weights rarely find the others, and their
 //! estimates are noisy. A second ray to the same light is worth less than one to another: with rays enough, each group of
-//! lights gets one, as by a loop over all lights; with fewer, no group gets more than one.
+//! lights gets one, as by a loop over all lights; with fewer, strong groups do not get more than one.
 
 use super::{DEFENSIVE_SHARE, LightSampler, MAX_LIGHTS};
 use crate::scene::light_groups::LightGroups;
 
-/// The probability that is spread evenly over all lights, for groups without weight where all others get a ray: they are not in
-/// view, except for rounding.
-pub const UNSEEN_SHARE: f64 = 0.01;
+/// Where all groups in view get a ray, lights without weight, which are not in view except for rounding, get this probability,
+/// divided by the number of all lights.
+pub const UNSEEN_SHARE: f64 = 1e-3;
 
 impl LightSampler {
     /// For `rays` shadow rays, whose random words are the same but for a multiple of `1/rays` of their range (systematic
     /// sampling, Madow and Madow 1944): a group of probability `1/rays` is sampled by exactly one of them.
     ///
-    /// If no more groups than rays have weights, each of these gets `1/rays`, and the other rays are in proportion to the weights.
-    /// Otherwise the probabilities are those of [`LightSampler::new`], except that groups with more than `1/rays` are limited to
-    /// that.
+    /// If no more groups than rays have weights, each of these gets `1/rays` (but for [`UNSEEN_SHARE`]), and the other rays are
+    /// in proportion to the weights. Otherwise the probabilities are those of [`LightSampler::new`], except that groups with more
+    /// than `1/rays` by their weights are limited to that.
     #[inline]
     #[must_use]
     pub fn for_rays(lights: usize, groups: LightGroups, rays: u32, weight: impl Fn(usize) -> f32) -> Self {
@@ -41,7 +41,7 @@ impl LightSampler {
         let enough = seen.count_ones() <= rays;
         let with_ray = if enough { seen } else { strongest(count, groups, rays, sum_of) };
         let total = sum_of([0, count]);
-        if with_ray == 0 || seen.count_ones() < 2 || !total.is_finite() {
+        if with_ray == 0 || !total.is_finite() {
             return None;
         }
         // Lights whose groups have no ray of their own.
@@ -126,16 +126,13 @@ mod tests {
     }
 
     #[test]
-    fn nothing_changes_for_one_ray_or_one_group() {
+    fn nothing_changes_without_a_strong_group() {
         let weights = [3.0, 1.0, 2.0, 4.0];
         let plain = LightSampler::new(4, |index| weights[index]);
         for (rays, groups) in [(2, GROUPS), (1, GROUPS), (16, LightGroups::default())] {
             let found = LightSampler::for_rays(4, groups, rays, |index| weights[index]);
             assert_eq!(found.cdf(), plain.cdf(), "{rays} rays: no group has more than half of the weight");
         }
-        // One group alone is in view.
-        let plain = LightSampler::new(4, |index| if index < 2 { 1.0 } else { 0.0 });
-        assert_eq!(LightSampler::for_rays(4, GROUPS, 2, |index| if index < 2 { 1.0 } else { 0.0 }).cdf(), plain.cdf());
         assert!(LightSampler::for_rays(4, GROUPS, 4, |_| 0.0).cdf().is_empty());
     }
 
@@ -157,6 +154,11 @@ mod tests {
     /// Groups without weight are not counted, but remain possible.
     #[test]
     fn groups_out_of_view_have_hardly_any_rays() {
+        let one = 1.0 - 3.0 * UNSEEN_SHARE / 4.0;
+        assert_near(
+            probabilities(1, [0.0, 0.0, 1.0, 0.0]),
+            [0.0, 0.0, 1.0, 0.0].map(|whole| one * whole + 2.5e-4 * (1.0 - whole)),
+        );
         let floor = UNSEEN_SHARE / 4.0;
         let half = 0.5 * (1.0 - 2.0 * floor);
         assert_near(probabilities(2, [0.0, 0.0, 1.0, 8.0]), [floor, floor, half, half]);

@@ -48,6 +48,7 @@ impl LightBounds {
             intensity: limited(intensity),
         };
         let position = Vec3::from(light.position).as_dvec3();
+        let angle = |versine: f32| 2.0 * libm::asin(f64::from(0.5 * versine).sqrt().min(1.0));
         match light.kind {
             Light::TRIANGLE => {
                 let primitive = light.primitive as usize;
@@ -60,13 +61,13 @@ impl LightBounds {
                 Self { low, high, axis: normal, spread, emission: FRAC_PI_2, intensity: power / PI }
             }
             Light::SPOT => {
-                let angle = |versine: f32| 2.0 * libm::asin(f64::from(0.5 * versine).sqrt().min(1.0));
                 let (inner, outer) = (angle(light.versine_inner), angle(light.versine_outer));
                 let emission = (outer - inner).min(FRAC_PI_2);
                 let intensity = power / spot_solid_angle(light.versine_inner, light.versine_outer);
                 at(position, direction, outer - emission, emission, intensity)
             }
-            Light::DIRECTIONAL => at(-direction, -direction, 0.0, 0.0, power / disc),
+            // The cone is that of the directions to the disc of a sun.
+            Light::DIRECTIONAL => at(-direction, -direction, angle(light.versine_outer), 0.0, power / disc),
             Light::ENVIRONMENT => at(DVec3::ZERO, DVec3::Y, PI, 0.0, power / (4.0 * disc)),
             _ => at(position, DVec3::Y, PI, FRAC_PI_2, power / (4.0 * PI)),
         }

@@ -29,12 +29,13 @@ float weigh(SceneRef scene, uint index, vec3 position, vec3 normal) {
     float power = (light.power.x + light.power.y + light.power.z) / 3.0;
     if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0 && light.kind == LIGHT_DIRECTIONAL) {
         float cosine = -dot3(normal, light.direction);
+        float risen = max(cosine, 0.0);
         if (SUN) {
+            // A part of the disc of a sun may be above the horizon though its centre is below.
             float sine = sqrt(max(light.versine_outer * (2.0 - light.versine_outer), 0.0));
-            float risen = max(cosine + sine, 0.0);
-            if (cosine < sine) cosine = risen * risen / (4.0 * sine);
+            if (abs(cosine) < sine) risen = (cosine + sine) * (cosine + sine) / (4.0 * sine);
         }
-        return power * max(cosine, 0.0) / (3.14159265 * light.radius * light.radius);
+        return power * risen / (3.14159265 * light.radius * light.radius);
     }
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE) {
         Emission area_light = scene.emissions[index].at;

@@ -1,7 +1,8 @@
 //! Selection of the light that a shadow ray samples.
 //!
-//! The probabilities are proportional to the unoccluded irradiance from each light, as far as there are no rays to all lights, so that a weak light close by
-//! or a narrow spotlight counts by its effect at the query and not by its share of the scene's power.
+//! The probabilities are proportional to the unoccluded irradiance from each light, so that a weak light close by
+//! or a narrow spotlight counts by its effect at the query and not by its share of the scene's power. With several shadow
+//! rays they are changed, so that the rays go to different lights ([`LightSampler::for_rays`]).
 
 use glam::Vec3;
 
@@ -122,8 +123,14 @@ pub fn weigh(light: &Light, triangle: impl FnOnce() -> ([Vec3; 3], Vec3), positi
             let cosine = -normal.dot(light.direction.into());
             let sine = (light.versine_outer * (2.0 - light.versine_outer)).max(0.0).sqrt();
             // A part of the disc of a sun may be above the horizon though its centre is below.
-            let risen = if cosine < sine { (cosine + sine).max(0.0).powi(2) / (4.0 * sine) } else { cosine };
-            power * risen.max(0.0) / (std::f32::consts::PI * light.radius * light.radius)
+            let risen = if cosine >= sine {
+                cosine
+            } else if cosine > -sine {
+                (cosine + sine) * (cosine + sine) / (4.0 * sine)
+            } else {
+                0.0
+            };
+            power * risen / (std::f32::consts::PI * light.radius * light.radius)
         }
         // As if the mean radiance arrived from a hemisphere.
         Light::ENVIRONMENT => power / (4.0 * std::f32::consts::PI * light.radius * light.radius),

@@ -1,9 +1,10 @@
 //! Settings that a pipeline chooses for the time that there is.
 
 use photon_core::{
-    Area, Bandwidth, Candidate, Choice, Film, Goal, Indirect, Open, Pipeline, Render, Settings, TransportBackend,
+    Area, Bandwidth, Candidate, Choice, Direct, Film, Goal, Indirect, Open, Pipeline, Render, Settings,
+    TransportBackend,
 };
-use photon_scene::Scene;
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder};
 
 use crate::harness::{self, TestBackend, renderer};
 
@@ -116,6 +117,55 @@ pub fn passes_and_errors_are_times<T: TestBackend>() {
     // Times differ from trial to trial, but not by a factor of a hundred.
     let before = choice(Goal::Time(usual.seconds / 100.0));
     assert!(least(&usual) <= 0.05 && usual.seconds < 1e5 && least(&before) > 0.05, "{usual:?} {before:?}");
+}
+
+/// Side of pictures with an edge in the middle of one column of pixels; trials render all of their pixels.
+const EDGE_SIZE: u32 = 39;
+
+/// The forecast noise of one pass that is not by photons, in a picture of a screen with these materials left and right of an edge.
+fn noise_at_edge<T: TestBackend>(materials: [MaterialDesc; 2], lit: bool, settings: &Settings) -> f64 {
+    let mut builder = SceneBuilder::new();
+    let [left, right] = materials.map(|material| builder.material(material));
+    for (name, from, to, material) in [("left", -9.0, 0.0, left), ("right", 0.0, 9.0, right)] {
+        builder.quad(name, [[from, -9.0, -4.0], [to, -9.0, -4.0], [to, 9.0, -4.0], [from, 9.0, -4.0]], material);
+    }
+    if lit {
+        builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [100.0; 3] });
+    }
+    builder.camera("front", CameraDesc::look_at([0.0; 3], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0], 0.9));
+    let scene = builder.build().unwrap();
+    let mut renderer = renderer::<T>(&scene, settings, EDGE_SIZE);
+    let choice = renderer.choose(&scene.view(), Goal::Passes(1), ALL).unwrap().unwrap();
+    let present =
+        |each: &&Candidate| (each.area, each.radius_factor, each.bandwidth) == (Area::Surface, 1.0, Bandwidth::Shared);
+    let present = choice.candidates.iter().find(present).unwrap();
+    assert!(present.error >= present.direct_error, "{present:?}");
+    present.direct_error
+}
+
+/// Camera rays of one column of 39 pixels meet an edge of light in their middle, and there is no other noise: in each of two passes
+/// a pixel is bright or dark. k of these pixels differ between the passes. The variance of these is 1/2 and their weight, by
+/// their mean 1/2 and that of the picture, is 1/(1/4 + 1/400) or nearly so: the error of one pass is 0.99 · 2k/39².
+///
+/// With photons alone, the same noise comes from an edge between colours: without the photons at the points that each pass sees,
+/// nothing would differ.
+pub fn noise_of_camera_paths_is_forecast<T: TestBackend>() {
+    let dark = MaterialDesc::lambert("dark", [0.02; 3]);
+    let bright = MaterialDesc::emissive("bright", [0.5; 3], [1.0; 3]);
+    let pixels = f64::from(EDGE_SIZE);
+    let differ = 0.5 * pixels * pixels * noise_at_edge::<T>([bright, dark.clone()], false, &settings());
+    // k has the mean 39/2 and the standard deviation √39/2. The mean radiance is within 10 % of 1/2.
+    assert!((differ - 0.5 * pixels).abs() < 4.5 * 0.5 * pixels.sqrt(), "{differ}");
+    assert!((differ / differ.round() - 0.99).abs() < 0.002, "{differ}");
+    let by_photons = Settings { direct: Direct::Photons, photons: 30_000, ..settings() };
+    let differ_in_color = |left: f64| {
+        let left = MaterialDesc::lambert("left", [left; 3]);
+        0.5 * pixels * pixels * noise_at_edge::<T>([left, dark.clone()], true, &by_photons)
+    };
+    // Photons make the radiance of these pixels uncertain by some per cent, and so the weights.
+    let found = differ_in_color(0.8);
+    assert!((found - 0.5 * pixels).abs() < 4.5 * 0.5 * pixels.sqrt() + 0.2 * 0.5 * pixels, "{found}");
+    assert!(differ_in_color(0.02) < 0.2 * found, "{found}");
 }
 
 /// Nothing is chosen, and no bit changes, where there is nothing to choose.

@@ -131,7 +131,7 @@ macro_rules! whole_suite {
             }
             choice::{
                 chosen_settings_make_the_same_bits, gather_rays_make_the_same_bits, passes_and_errors_are_times,
-                nothing_to_choose_changes_nothing,
+                noise_of_camera_paths_is_forecast, nothing_to_choose_changes_nothing,
             }
             footprint::{ a15_spots_narrower_than_a_pixel_are_found, a16_radii_are_at_least_half_a_pixel }
             direct::{
@@ -239,7 +239,7 @@ macro_rules! whole_suite {
                 g11_aimed_at_a_mirror,
             }
             mirrors_and_glass::{ in_an_even_environment, a_light_in_a_mirror }
-            lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
+            lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses, l4_margins_of_pixels }
             views::{ v1_hand_filled_views_are_checked }
             blocks::{ films_of_blocks }
             display::{ pictures_while_rendering_are_those_of_the_film }

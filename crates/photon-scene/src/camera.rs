@@ -47,7 +47,7 @@ pub(crate) fn resolve(
             hint: "move it nearer to the scene and make its view comparable to the scene in size",
         });
     }
-    if camera.check_lens().is_err() {
+    if camera.check().is_err() {
         return Err(SceneError::Extreme {
             what: format!("the lens of camera '{name}'"),
             value: format!("{:?}", desc.lens),

@@ -35,7 +35,8 @@ pub struct Candidate {
     /// Squared relative error after the given time: the mean over pixels of the squared error, divided by the squared radiance
     /// and a hundredth of the squared mean radiance. Bias counts with what may be hidden by noise.
     pub error: f64,
-    /// The part of `error` that is not by photons at visible points: noise of direct light, camera paths and gather rays.
+    /// The part of `error` that is not by photons at visible points: noise of direct light, gather rays and camera
+    /// paths, which lead to other visible points in each pass.
     pub direct_error: f64,
 }
 

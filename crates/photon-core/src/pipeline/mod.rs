@@ -190,7 +190,7 @@ impl<B: TransportBackend> Pipeline<B> {
     ) -> Result<Self> {
         settings.validate()?;
         check::check_scene(scene)?;
-        view.camera.check_lens()?;
+        view.camera.check()?;
         check::check_irradiance(scene, &settings)?;
         required.check(Features::of(scene))?;
         required.check_format(PhotonFormat::of(scene, &settings))?;

@@ -138,14 +138,15 @@ pub(super) fn with_choice(
 const MANY_PASSES: f64 = 200.0;
 
 /// The number of paths per pass if more are better: where radii are those of each pixel, the squared error by photons falls about
-/// as (total paths)^(−2/3), and other noise is small after many passes. On a GPU a pass takes hardly longer with several times
-/// as many. At most two per pixel; `None` if that is less than 1.5 times those of now.
+/// as (total paths)^(−2/3). On a GPU a pass takes hardly longer with several times as many; but where most of the error has other
+/// causes, fewer passes add to it. At most two per pixel; `None` if that is less than 1.5 times those of now.
 fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
     let is_like =
         |each: &&Candidate| (each.area, each.bandwidth, each.photons) == (choice.area, choice.bandwidth, photons);
     let best = choice.candidates.iter().find(is_like)?;
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
-    if choice.bandwidth == Bandwidth::PerPixel { increased(photons, pixels, parts, seconds) } else { None }
+    let may_help = gathering::is_by_maps(best.error, best.direct_error);
+    if choice.bandwidth == Bandwidth::PerPixel && may_help { increased(photons, pixels, parts, seconds) } else { None }
 }
 
 fn increased(photons: u32, pixels: u32, parts: [f64; 2], seconds: f64) -> Option<u32> {

@@ -2,12 +2,14 @@
 
 use super::super::Pipeline;
 use super::bias::reference;
-use super::forecast::{Model, Trial, variance, weights, with_gather_rays};
+use super::forecast::{Model, Trial, variance, weights, weights_of_mean, with_gather_rays};
+use super::trials::widest;
 use super::{Candidate, Choice, Goal, Open};
 use crate::backend::TransportBackend;
 use crate::backend::stages::View;
 use crate::error::Result;
 use crate::scene::SceneView;
+use crate::scene::camera::Camera;
 use crate::settings::{Area, Bandwidth};
 
 /// Pictures of trials have this fraction of the width and of the height.
@@ -16,16 +18,16 @@ const REDUCTION: u32 = 5;
 /// Least width and height of these pictures, if the picture has as many.
 const MIN_SIZE: u32 = 40;
 
-/// The whole picture is timed too if passes with each of the settings take less than this part of the time together: small
-/// pictures do not fill a GPU.
-const TIMED_PART: f64 = 0.1;
+/// Camera paths of the whole picture, and then passes with each of the settings, are timed too if they take less than this part of
+/// the time: small pictures do not fill a GPU. They do fill the cores of a CPU, where it would only cost time.
+const TIMED_PART: f64 = 0.04;
 
 /// Factors on radii that are tried, and those that may be chosen.
 const TRIED_FACTORS: [f64; 3] = [0.7, 1.4, 2.0];
 const POSSIBLE_FACTORS: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 
 /// Numbers of gather rays that are tried, and those that may be chosen.
-const TRIED_RAYS: [u32; 2] = [1, 4];
+const TRIED_RAYS: [u32; 2] = [1, 16];
 const POSSIBLE_RAYS: [u32; 3] = [1, 4, 16];
 
 /// [`TIMED_PART`] with final gathering, whose passes of the whole picture take long.
@@ -43,9 +45,11 @@ const STEP: f64 = 1.2;
 struct Measured {
     /// For each setting of the estimates.
     trials: Vec<Trial>,
-    /// For each number of gather rays, or once without any: direct light by shadow rays, and light by gather rays, in the
-    /// two passes.
+    /// For each number of gather rays, or once without any: the radiance of each pixel in the two passes without that by photons
+    /// at visible points.
     sampled: Vec<[Vec<f64>; 2]>,
+    /// The same with photons at the visible points of each pass, by the [`widest`] setting.
+    all: Vec<[Vec<f64>; 2]>,
     /// Seconds of the gather rays of a pass, for each number of them.
     gathering: Vec<f64>,
     /// The mean radiance of each pixel without that by photons at visible points.
@@ -158,11 +162,11 @@ impl<B: TransportBackend> Pipeline<B> {
         let (rays, timed_part): (&[u32], f64) =
             if open.gather_rays { (&TRIED_RAYS, TIMED_PART_OF_RAYS) } else { (&[], TIMED_PART) };
         let mut measured = self.measure(scene, rays, &settings)?;
-        let mut comparison = self.comparison(&measured, areas, open);
+        let mut comparison = self.comparison(&measured, &settings, areas, open);
         let mut seconds = comparison.seconds(goal);
         if measured.look < TIMED_PART * seconds {
             measured.rescale(self.time_look()?);
-            comparison = self.comparison(&measured, areas, open);
+            comparison = self.comparison(&measured, &settings, areas, open);
             seconds = comparison.seconds(goal);
         }
         let all = measured.trials.iter().map(|trial| trial.seconds).chain(measured.gathering.iter().copied());
@@ -173,14 +177,14 @@ impl<B: TransportBackend> Pipeline<B> {
             measured.gathering = timed.gathering;
             let trials = measured.trials.iter_mut().zip(timed.shown);
             trials.for_each(|(trial, seconds)| trial.seconds = timed.look + seconds);
-            comparison = self.comparison(&measured, areas, open);
+            comparison = self.comparison(&measured, &settings, areas, open);
             seconds = comparison.seconds(goal);
         }
         Ok((comparison, seconds))
     }
 
-    fn comparison(&self, measured: &Measured, areas: &[Area], open: Open) -> Comparison {
-        let Measured { trials, sampled, gathering, others, photons, look } = measured;
+    fn comparison(&self, measured: &Measured, settings: &[(Area, f64)], areas: &[Area], open: Open) -> Comparison {
+        let Measured { trials, sampled, all, gathering, others, photons, look } = measured;
         let now = f64::from(self.settings.photons);
         let multiples = MULTIPLES
             .iter()
@@ -198,8 +202,15 @@ impl<B: TransportBackend> Pipeline<B> {
         let Some(least) = trials.first() else { return comparison };
         let weights = weights(least, others);
         let reference = reference(trials);
-        // Numbers of gather rays, the variance of a pass that is not by photons, and the seconds of the rays.
-        let noise: Vec<f64> = sampled.iter().map(|both| variance(both, &weights)).collect();
+        // The variance of a pass that is not by photons: that of photons at the same visible points is subtracted. The difference of
+        // two variances is uncertain; it is not less than without photons.
+        let by_photons = widest(settings).map_or(0.0, |widest| variance(&trials[widest].passes, &weights));
+        let noise_of = |sampled: &[Vec<f64>; 2], all: &[Vec<f64>; 2]| {
+            let difference = variance(all, &weights_of_mean(all)) - by_photons;
+            difference.max(variance(sampled, &weights))
+        };
+        let noise: Vec<f64> = sampled.iter().zip(all).map(|(sampled, all)| noise_of(sampled, all)).collect();
+        // Numbers of gather rays, that variance, and the seconds of the rays.
         let by_rays: Vec<(Option<u32>, [f64; 2])> = match (noise.as_slice(), gathering.as_slice()) {
             (&[few, many], &[fast, slow]) if open.gather_rays => {
                 let tried = [(TRIED_RAYS[0], [few, fast]), (TRIED_RAYS[1], [many, slow])];
@@ -221,8 +232,7 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Renders the trials: two passes of a small picture.
     fn measure(&mut self, scene: &SceneView<'_>, rays: &[u32], settings: &[(Area, f64)]) -> Result<Measured> {
         let whole = self.view;
-        let reduced = |length: u32| (length / REDUCTION).max(MIN_SIZE).min(length);
-        let small = View { width: reduced(whole.width), height: reduced(whole.height), ..whole };
+        let small = reduced(whole);
         let mut film = self.on.film(scene, small.width, small.height)?;
         if self.settings.errors {
             self.on.keep_errors(&mut film)?;
@@ -240,7 +250,9 @@ impl<B: TransportBackend> Pipeline<B> {
         let (photons, look) = ([0.0, first.photons.min(second.photons)], first.look.min(second.look));
         let gathering =
             (0..rays.len()).map(|number| first.gathering(number).min(second.gathering(number)) * more).collect();
-        let sampled = (0..rays.len().max(1)).map(|number| [first.sampled(number), second.sampled(number)]).collect();
+        let numbers = 0..rays.len().max(1);
+        let sampled = numbers.clone().map(|number| [first.sampled(number), second.sampled(number)]).collect();
+        let all = numbers.map(|number| [first.all(number), second.all(number)]).collect();
         let others = first.others(&second);
         let trials = settings
             .iter()
@@ -252,6 +264,44 @@ impl<B: TransportBackend> Pipeline<B> {
                 seconds: (look + once.min(again)) * more,
             })
             .collect();
-        Ok(Measured { trials, sampled, gathering, others, photons, look: look * more })
+        Ok(Measured { trials, sampled, all, gathering, others, photons, look: look * more })
+    }
+}
+
+/// The view of a small picture, whose pixels have the size of those of the whole one and lie apart: as many of them contain an
+/// edge, and as much bias of either sign cancels within them.
+fn reduced(whole: View) -> View {
+    let reduced = |length: u32| (length / REDUCTION).max(MIN_SIZE).min(length);
+    let (width, height) = (reduced(whole.width), reduced(whole.height));
+    let [right, under] = whole.camera.pixel_margin;
+    let margin = |few: u32, all: u32, present: f32| {
+        if few == all { present } else { 0.5 - (0.5 - present) * few as f32 / all as f32 }
+    };
+    let pixel_margin = [margin(width, whole.width, right), margin(height, whole.height, under)];
+    View { camera: Camera { pixel_margin, ..whole.camera }, width, height }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_of_small_pictures_are_as_wide_as_before() {
+        let view = |width, height, pixel_margin| View {
+            camera: Camera { right: [0.5, 0.0, 0.0], pixel_margin, ..Camera::default() },
+            width,
+            height,
+        };
+        let small = reduced(view(500, 100, [0.0; 2]));
+        assert_eq!([small.width, small.height, small.camera.right[0].to_bits()], [100, 40, 0.5_f32.to_bits()]);
+        // Of a pixel's width four fifths are margins, of its height three fifths.
+        let [across, down] = small.camera.pixel_margin;
+        assert!((across - 0.4).abs() < 1e-6 && (down - 0.3).abs() < 1e-6);
+        assert!(small.camera.check().is_ok());
+        // The margins of the picture remain.
+        let [across, _] = reduced(view(500, 100, [0.25, 0.0])).camera.pixel_margin;
+        assert!((across - 0.45).abs() < 1e-6);
+        let tiny = view(30, 20, [0.0, 0.1]);
+        assert_eq!(reduced(tiny), tiny);
     }
 }

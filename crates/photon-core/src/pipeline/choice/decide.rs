@@ -3,16 +3,19 @@
 use super::Candidate;
 use crate::settings::{Area, Bandwidth};
 
-/// Discs are chosen, another number of paths, or radii per pixel, if the error is less than this part of that with areas of
-/// surfaces, with the present number, or with shared radii: times are not exact, and what discs lack at edges is more visible
-/// than noise.
+/// Discs or another number of paths are chosen if the error is less than this part of that with areas of surfaces or with the
+/// present number: times are not exact, and what discs lack at edges is more visible than noise.
 const CLEARLY_LESS: f64 = 0.85;
+
+/// Radii per pixel are chosen if the error is less than this part of that with shared radii; [`CLEARLY_LESS`] if that means discs
+/// in place of areas of surfaces.
+const LESS: f64 = 0.95;
 
 /// More paths are chosen, one number after the other, if a pass takes at most this many times as long as with the number before, and
 /// the error is at most this many times that of the best: two passes hardly show rare bright photons, of which more are
 /// found, or the bias of narrow features.
 const HARDLY_LONGER: f64 = 1.25;
-const HARDLY_MORE: f64 = 1.15;
+const HARDLY_MORE: f64 = 1.05;
 
 /// With as many passes radii are those of each pixel, whatever the forecast: bias that remains then is below the noise of trials.
 const MANY_PASSES: f64 = 700.0;
@@ -25,7 +28,8 @@ pub(super) fn decide(candidates: &[Candidate], now: u32, seconds: f64) -> Option
     let per_pixel = best_with(candidates, Bandwidth::PerPixel, now);
     match (shared, per_pixel) {
         (Some(shared), Some(per_pixel)) => {
-            let is_better = per_pixel.error < CLEARLY_LESS * shared.error;
+            let loses_edges = (per_pixel.area, shared.area) == (Area::Disc, Area::Surface);
+            let is_better = per_pixel.error < if loses_edges { CLEARLY_LESS } else { LESS } * shared.error;
             Some(if is_better || seconds > MANY_PASSES * per_pixel.seconds { per_pixel } else { shared })
         }
         (shared, per_pixel) => per_pixel.or(shared),
@@ -105,22 +109,22 @@ mod tests {
         let best = candidate(1000, Area::Surface, 1.0);
         let more = |seconds: f64, error: f64| Candidate { seconds, ..candidate(4000, Area::Surface, error) };
         for (other, is_chosen) in [
-            (more(0.0124, 1.14), true),
-            (more(0.0126, 1.14), false),
-            (more(0.0114, 1.16), false),
-            (Candidate { area: Area::Disc, ..more(0.0114, 1.14) }, false),
-            (Candidate { radius_factor: 0.5, ..more(0.0114, 1.14) }, false),
-            (Candidate { photons: 500, ..more(0.0114, 1.14) }, false),
-            (Candidate { bandwidth: Bandwidth::PerPixel, ..more(0.0114, 1.14) }, false),
+            (more(0.0124, 1.04), true),
+            (more(0.0126, 1.04), false),
+            (more(0.0114, 1.06), false),
+            (Candidate { area: Area::Disc, ..more(0.0114, 1.04) }, false),
+            (Candidate { radius_factor: 0.5, ..more(0.0114, 1.04) }, false),
+            (Candidate { photons: 500, ..more(0.0114, 1.04) }, false),
+            (Candidate { bandwidth: Bandwidth::PerPixel, ..more(0.0114, 1.04) }, false),
         ] {
             let expected = if is_chosen { other } else { best };
             assert_eq!(decided(&[best, other]), expected, "{other:?}");
         }
         let fewer = Candidate { photons: 2000, ..more(0.0114, 1.0) };
-        let wide = Candidate { radius_factor: 1.4, ..more(0.0139, 1.13) };
-        assert_eq!(decided(&[best, fewer, more(0.0139, 1.14), wide]), wide, "each step is a small one");
+        let wide = Candidate { radius_factor: 1.4, ..more(0.0139, 1.03) };
+        assert_eq!(decided(&[best, fewer, more(0.0139, 1.04), wide]), wide, "each step is a small one");
         assert_eq!(decided(&[best, fewer, more(0.0144, 1.0)]), fewer);
-        assert_eq!(decided(&[best, fewer, more(0.0139, 1.16)]), fewer);
+        assert_eq!(decided(&[best, fewer, more(0.0139, 1.06)]), fewer);
     }
 
     #[test]
@@ -129,8 +133,9 @@ mod tests {
         let own =
             |photons, area, error| Candidate { bandwidth: Bandwidth::PerPixel, ..candidate(photons, area, error) };
         for (other, is_chosen) in [
-            (own(1000, Area::Surface, 0.86), false),
-            (own(1000, Area::Surface, 0.84), true),
+            (own(1000, Area::Surface, 0.96), false),
+            (own(1000, Area::Surface, 0.94), true),
+            (own(1000, Area::Disc, 0.86), false),
             (own(1000, Area::Disc, 0.84), true),
         ] {
             assert_eq!(decided(&[best, other]), if is_chosen { other } else { best }, "{other:?}");

@@ -17,12 +17,14 @@ pub(super) struct Tried {
     /// Seconds for camera paths and direct light.
     pub(super) look: f64,
     /// What the camera sees of lights, and direct light by shadow rays: the radiance of each pixel, mean of RGB.
-    emission: Vec<f64>,
-    direct: Vec<f64>,
+    seen: Vec<f64>,
     /// Light that was found by each number of gather rays, and its seconds.
     gathered: Vec<(Vec<f64>, f64)>,
     /// The radiance of each pixel by photons at visible points, and the seconds of these estimates.
     pub(super) shown: Vec<(Vec<f64>, f64)>,
+    /// The radiance of each pixel by photons with the [`widest`] setting, at the visible points of this pass; those of `shown` are
+    /// of the first pass.
+    own: Vec<f64>,
 }
 
 impl Tried {
@@ -30,16 +32,21 @@ impl Tried {
     /// the last.
     pub(super) fn others(&self, second: &Self) -> Vec<f64> {
         let last = self.gathered.len().saturating_sub(1);
-        let seen = |tried: &Self| added(tried.sampled(last), &tried.emission);
-        seen(self).iter().zip(seen(second)).map(|(a, b)| 0.5 * (a + b)).collect()
+        self.sampled(last).iter().zip(second.sampled(last)).map(|(a, b)| 0.5 * (a + b)).collect()
     }
 
-    /// Direct light by shadow rays and light by gather rays, of which there are as many as in the `number`-th trial.
+    /// What does not come from photons at visible points: lights that the camera sees, direct light by shadow rays and light by
+    /// gather rays, of which there are as many as in the `number`-th trial.
     pub(super) fn sampled(&self, number: usize) -> Vec<f64> {
         match self.gathered.get(number) {
-            Some((gathered, _)) => added(self.direct.clone(), gathered),
-            None => self.direct.clone(),
+            Some((gathered, _)) => added(self.seen.clone(), gathered),
+            None => self.seen.clone(),
         }
+    }
+
+    /// All light, with that of photons at the visible points of this pass.
+    pub(super) fn all(&self, number: usize) -> Vec<f64> {
+        added(self.sampled(number), &self.own)
     }
 
     /// Seconds for the gather rays of the `number`-th trial; 0 without final gathering.
@@ -67,29 +74,37 @@ impl<B: TransportBackend> Pipeline<B> {
         self.look(index)?;
         let look = self.rendering()?;
         self.on.end_pass(&mut self.film)?;
-        let seen = self.on.read_film(&self.film)?;
+        let seen = sum(&self.on.read_film(&self.film)?);
         let mut gathered = Vec::with_capacity(rays.len());
         for &rays in rays {
             self.on.clear_film(&mut self.film)?;
             let seconds = self.timed_gathering((&maps, paths), index, rays)?;
             self.on.end_pass(&mut self.film)?;
-            gathered.push((sum(&self.on.read_film(&self.film)?, &Layer::ALL), seconds));
-        }
-        if index > 0 {
-            // The visible points of the first pass once more, so that the two passes differ in photons only.
-            self.look(0)?;
+            gathered.push((sum(&self.on.read_film(&self.film)?), seconds));
         }
         self.on.clear_film(&mut self.film)?;
+        let mut own = None;
+        if index > 0 {
+            if let Some(widest) = widest(settings) {
+                self.timed_estimates(&mut maps, settings[widest], index)?;
+                self.on.end_pass(&mut self.film)?;
+                own = Some(sum(&self.on.read_film(&self.film)?));
+                self.on.clear_film(&mut self.film)?;
+            }
+            // The visible points of the first pass once more, so that the two passes differ in photons only.
+            self.look(0)?;
+            self.on.clear_film(&mut self.film)?;
+        }
         let mut shown = Vec::with_capacity(settings.len());
         for &setting in settings {
-            let seconds = self.timed_estimates(&mut maps, setting)?;
+            let seconds = self.timed_estimates(&mut maps, setting, 0)?;
             self.on.end_pass(&mut self.film)?;
-            shown.push((sum(&self.on.read_film(&self.film)?, &Layer::ALL), seconds));
+            shown.push((sum(&self.on.read_film(&self.film)?), seconds));
             self.on.clear_film(&mut self.film)?;
         }
         self.reclaim_maps(maps);
-        let direct = sum(&seen, &[Layer::Direct, Layer::Caustic, Layer::Indirect]);
-        Ok(Tried { photons, look, emission: sum(&seen, &[Layer::Emission]), direct, gathered, shown })
+        let own = own.or_else(|| Some(shown[widest(settings)?].0.clone())).unwrap_or_else(|| vec![0.0; seen.len()]);
+        Ok(Tried { photons, look, seen, gathered, shown, own })
     }
 
     /// Seconds for camera paths and direct light of the whole picture.
@@ -120,7 +135,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let gathering: Result<Vec<f64>> =
             rays.iter().map(|&rays| self.timed_gathering((&maps, sent), 0, rays)).collect();
         let shown: Result<Vec<f64>> =
-            settings.iter().map(|&setting| self.timed_estimates(&mut maps, setting)).collect();
+            settings.iter().map(|&setting| self.timed_estimates(&mut maps, setting, 0)).collect();
         self.reclaim_maps(maps);
         Ok(Timed { photons: [seconds - proportional, proportional], look, gathering: gathering?, shown: shown? })
     }
@@ -143,11 +158,12 @@ impl<B: TransportBackend> Pipeline<B> {
         self.rendering()
     }
 
-    /// Adds the estimates to the film.
-    fn timed_estimates(&mut self, maps: &mut [BuiltMap<B>], (area, factor): (Area, f64)) -> Result<f64> {
+    /// Adds the estimates to the film; `index` is the pass of the random numbers with which areas are measured.
+    fn timed_estimates(&mut self, maps: &mut [BuiltMap<B>], setting: (Area, f64), index: u32) -> Result<f64> {
+        let (area, factor) = setting;
         self.on.timings()?;
         let stage = if area == Area::Disc { self.stages.area.take() } else { None };
-        let pass = Pass { seed: self.settings.seed, index: 0, random: self.settings.random };
+        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
         let mut result = Ok(());
         for built in maps {
             if !is_shown(&self.settings, built.kind) {
@@ -173,13 +189,34 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 }
 
+/// The setting with the same kind of areas as the first and the greatest factor on radii, whose estimates have the least noise of
+/// photons.
+pub(super) fn widest(settings: &[(Area, f64)]) -> Option<usize> {
+    let area = settings.first()?.0;
+    settings.iter().rposition(|setting| setting.0 == area)
+}
+
 fn added(mut to: Vec<f64>, other: &[f64]) -> Vec<f64> {
     to.iter_mut().zip(other).for_each(|(to, other)| *to += other);
     to
 }
 
-/// The sum of layers of each pixel, mean of RGB.
-fn sum(film: &Film, layers: &[Layer]) -> Vec<f64> {
+/// The sum of all layers of each pixel, mean of RGB.
+fn sum(film: &Film) -> Vec<f64> {
     let grey = |pixel: &FilmPixel, layer: Layer| pixel.layers[layer as usize].iter().sum::<f64>() / 3.0;
-    film.pixels.iter().map(|pixel| layers.iter().map(|&layer| grey(pixel, layer)).sum()).collect()
+    film.pixels.iter().map(|pixel| Layer::ALL.iter().map(|&layer| grey(pixel, layer)).sum()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_widest_setting_has_the_first_kind_of_areas() {
+        let both = [(Area::Surface, 0.7), (Area::Surface, 2.0), (Area::Disc, 0.7), (Area::Disc, 2.0)];
+        assert_eq!(
+            [widest(&both), widest(&both[2..]), widest(&both[..1]), widest(&[])],
+            [Some(1), Some(1), Some(0), None]
+        );
+    }
 }

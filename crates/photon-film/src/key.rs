@@ -1,9 +1,10 @@
 //! What the passes of a film depend on. Films are continued and merged only if their keys agree.
 
 use std::collections::BTreeMap;
+use std::mem::offset_of;
 use std::path::Path;
 
-use photon_core::{ErrorTarget, Kernel, NUMERICS, Render, SceneView, Settings, Units, View, check_size};
+use photon_core::{Camera, ErrorTarget, Kernel, NUMERICS, Render, SceneView, Settings, Units, View, check_size};
 use serde::{Deserialize, Serialize};
 
 use crate::error::FilmFileError;
@@ -42,7 +43,7 @@ impl FilmKey {
             scene: format!("{:032x}", scene.digest()),
             width: view.width,
             height: view.height,
-            camera: bytemuck::bytes_of(&view.camera).iter().map(|byte| format!("{byte:02x}")).collect(),
+            camera: record(&view.camera),
             settings: entries(settings),
             photons_per_pass: facts.photons,
             aimed_per_pass: facts.aimed,
@@ -189,6 +190,14 @@ impl FilmKey {
     }
 }
 
+/// The bytes of a camera in hexadecimal. Margins of pixels, which hardly any has, are left out where they are 0: so films from
+/// before there were any can be continued.
+fn record(camera: &Camera) -> String {
+    let bytes = bytemuck::bytes_of(camera);
+    let end = if camera.pixel_margin == [0.0; 2] { offset_of!(Camera, pixel_margin) } else { bytes.len() };
+    bytes[..end].iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// The settings that passes depend on, by name.
 fn entries(settings: &Settings) -> BTreeMap<String, String> {
     // Every member by name: a new one is an error here until it is decided whether passes depend on it.
@@ -284,5 +293,15 @@ mod tests {
             grain: 1,
             numerics: NUMERICS,
         }
+    }
+
+    #[test]
+    fn margins_of_pixels_are_part_of_the_key() {
+        let plain = Camera { origin: [0.25, 0.0, 0.0], ..Camera::default() };
+        let margins = |pixel_margin| Camera { pixel_margin, ..plain };
+        assert_eq!(record(&plain).len(), 2 * 64);
+        assert_eq!(record(&margins([0.0; 2])), record(&plain));
+        let all = [record(&plain), record(&margins([0.1, 0.0])), record(&margins([0.0, 0.1]))];
+        assert!(all[0] != all[1] && all[0] != all[2] && all[1] != all[2]);
     }
 }

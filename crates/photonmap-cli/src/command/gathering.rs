@@ -13,8 +13,8 @@ use crate::fault::Fault;
 /// With less time left, passes would be too few for their noise.
 const MIN_SECONDS: f64 = 1.2;
 
-/// The preparation of two more pipelines, and trials like those that were made, must take at most this part of the time. The 17
-/// gather rays for each of few pixels take about as long.
+/// The preparation of two more pipelines, and trials like those that were made, must take at most this part of the time. Those of
+/// final gathering, with 1 and 16 rays for each of few pixels, take about as long as those of maps.
 const MAX_COST: f64 = 0.1;
 
 /// A larger part is affordable if it is short: on a GPU these seconds, up to this part of the time.
@@ -24,8 +24,9 @@ const MAX_SHORT_COST: f64 = 0.27;
 /// Estimates from maps have to make up this part of the forecast error: gather rays, or more paths, do not change the rest.
 const MIN_MAP_SHARE: f64 = 0.5;
 
-/// Final gathering is chosen if its error is less than this part of the other: forecasts of both are not exact. In the scene where
-/// it was better its forecast was half of the other, in five where it was worse at least 1.4 times the other.
+/// Final gathering is chosen if its error is less than this part of the other: forecasts of both are not exact. Its forecast was
+/// half of the other in `two-rooms`, where it was as good or better, and at least 1.4 times the other in five scenes where it was
+/// worse.
 const CLEARLY_LESS: f64 = 0.8;
 
 /// The same where a preset has radii per pixel: their forecasts are those of shared radii, up to four times the error that was

@@ -10,13 +10,13 @@ pub(super) const MAX_BIAS_SQUARED: f64 = 1.0;
 /// of pixels leave.
 pub(super) const HIDDEN: f64 = 2.0;
 
-/// Pixels of a row whose means are taken as independent: photons are in the discs of several pixels.
+/// Successive pixels whose means are taken as independent: photons are in the discs of several pixels.
 pub(super) const CORRELATED: usize = 64;
 
 /// The exponent of the squared bias as a function of the radius. At edges of light it is 1: bias is of the same size in a number
 /// of pixels that is as the radius. It is 3 where the slope of the light changes, and 4 where light is smooth. From twice the
-/// radius to a half it was 0.2 to 2.9 in ten scenes with 512×512 pixels, 1.6 as their mean; the mean of the bias at a half, over
-/// that at twice the radius, is that of the exponent 1.15. Two passes of a small picture do not tell it.
+/// radius to a half it was 0.2 to 2.9 in ten scenes with 512×512 pixels, 1.6 as their mean; the mean of the ratios of the bias at a
+/// half to that at twice the radius is that of the exponent 1.15. Two passes of a small picture do not tell it.
 pub(super) const BIAS_EXPONENT: f64 = 1.5;
 
 /// The squared bias of one kind of areas.

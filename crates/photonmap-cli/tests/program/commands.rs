@@ -66,11 +66,11 @@ fn explain_tells_what_is_left_out() {
     assert!(table[1].contains("--passes") && timed.contains(&format!("of {photons} paths")), "{timed}");
     assert!(table.iter().filter(|line| line.contains(" %  ")).count() >= 10, "{timed}");
     assert!(!fixed.contains("trials"), "{fixed}");
-    // Final gathering where it is much better, unless something else is asked for or the time is too short.
+    // Final gathering where it is clearly better, unless something else is asked for or the time is too short.
     let rooms = |options: &[&str]| {
         stdout(&run("explain", &[&["two-rooms", "--size", "48x48", "--backend", "cpu"], options].concat()))
     };
-    let gathered = rooms(&["--time", "600"]);
+    let gathered = rooms(&["--time", "20"]);
     let line = gathered.lines().find(|line| line.contains("--passes")).unwrap();
     assert!(line.contains("--indirect gather --gather-rays "), "{gathered}");
     // The options are valid ones, of which those of final gathering have an effect.
@@ -80,10 +80,10 @@ fn explain_tells_what_is_left_out() {
     assert!(explained.split_once("left out:").unwrap().0.contains("final gathering"), "{line}");
     // Within a second it is never tried, however fast the machine is.
     let others: [&[&str]; 4] = [
-        &["--time", "600", "--indirect", "map"],
+        &["--time", "20", "--indirect", "map"],
         &["--time", "1"],
-        &["--time", "600", "--errors"],
-        &["--time", "600", "--bandwidth", "per-pixel"],
+        &["--time", "20", "--errors"],
+        &["--time", "20", "--bandwidth", "per-pixel"],
     ];
     for options in others {
         assert!(!rooms(options).contains("--indirect gather"), "{options:?}");

@@ -29,7 +29,10 @@ pub(super) fn decide(candidates: &[Candidate], now: u32, seconds: f64) -> Option
     match (shared, per_pixel) {
         (Some(shared), Some(per_pixel)) => {
             let loses_edges = (per_pixel.area, shared.area) == (Area::Disc, Area::Surface);
-            let is_better = per_pixel.error < if loses_edges { CLEARLY_LESS } else { LESS } * shared.error;
+            // Another number of paths may have less error with shared radii too, though not clearly.
+            let like = |each: &&Candidate| each.bandwidth == Bandwidth::Shared && each.area == shared.area;
+            let least = candidates.iter().find(like).map_or(shared.error, |best| best.error);
+            let is_better = per_pixel.error < if loses_edges { CLEARLY_LESS } else { LESS } * least;
             Some(if is_better || seconds > MANY_PASSES * per_pixel.seconds { per_pixel } else { shared })
         }
         (shared, per_pixel) => per_pixel.or(shared),
@@ -140,6 +143,10 @@ mod tests {
         ] {
             assert_eq!(decided(&[best, other]), if is_chosen { other } else { best }, "{other:?}");
         }
+        // Four times the paths would have 0.9 of the error with shared radii.
+        let more = candidate(4000, Area::Surface, 0.9);
+        assert_eq!(decided(&[best, more, own(1000, Area::Surface, 0.88)]), best);
+        assert_eq!(decided(&[best, more, own(1000, Area::Surface, 0.85)]), own(1000, Area::Surface, 0.85));
         // Areas and the number of paths are chosen for each kind of radii.
         let [surface, disc] = [own(1000, Area::Surface, 0.8), own(1000, Area::Disc, 0.7)];
         assert_eq!(decided(&[best, surface, disc]), surface);

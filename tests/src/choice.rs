@@ -4,9 +4,10 @@ use photon_core::{
     Area, Bandwidth, Candidate, Choice, Direct, Film, Goal, Indirect, Open, Pipeline, Render, Settings,
     TransportBackend,
 };
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder};
+use photon_scene::{LightDesc, MaterialDesc, Scene};
 
 use crate::harness::{self, TestBackend, renderer};
+use crate::lens::halves;
 
 const SIZE: u32 = 24;
 const ALL: Open = Open { photons: false, area: true, radius_factor: true, bandwidth: true, gather_rays: true };
@@ -124,15 +125,10 @@ const EDGE_SIZE: u32 = 39;
 
 /// The forecast noise of one pass that is not by photons, in a picture of a screen with these materials left and right of an edge.
 fn noise_at_edge<T: TestBackend>(materials: [MaterialDesc; 2], lit: bool, settings: &Settings) -> f64 {
-    let mut builder = SceneBuilder::new();
-    let [left, right] = materials.map(|material| builder.material(material));
-    for (name, from, to, material) in [("left", -9.0, 0.0, left), ("right", 0.0, 9.0, right)] {
-        builder.quad(name, [[from, -9.0, -4.0], [to, -9.0, -4.0], [to, 9.0, -4.0], [from, 9.0, -4.0]], material);
-    }
+    let mut builder = halves(materials);
     if lit {
-        builder.light("lamp", LightDesc::Point { position: [0.0; 3], intensity: [100.0; 3] });
+        builder.light("point light", LightDesc::Point { position: [0.0; 3], intensity: [100.0; 3] });
     }
-    builder.camera("front", CameraDesc::look_at([0.0; 3], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0], 0.9));
     let scene = builder.build().unwrap();
     let mut renderer = renderer::<T>(&scene, settings, EDGE_SIZE);
     let choice = renderer.choose(&scene.view(), Goal::Passes(1), ALL).unwrap().unwrap();

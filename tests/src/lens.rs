@@ -14,18 +14,23 @@ const DISTANCE: f64 = 4.0;
 const HALF: f64 = 2.0;
 const SIZE: u32 = 16;
 
-/// A screen across the view that glows on its left half.
-fn screen() -> Scene {
+/// A screen across the view with these materials left and right of its middle.
+pub(crate) fn halves(materials: [MaterialDesc; 2]) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
-    let bright = builder.material(MaterialDesc::emissive("bright", [0.5; 3], [1.0; 3]));
-    let dark = builder.material(MaterialDesc::lambert("dark", [0.5; 3]));
+    let [left, right] = materials.map(|material| builder.material(material));
     let z = -DISTANCE;
-    for (name, left, right, material) in [("left", -9.0, 0.0, bright), ("right", 0.0, 9.0, dark)] {
-        builder.quad(name, [[left, -9.0, z], [right, -9.0, z], [right, 9.0, z], [left, 9.0, z]], material);
+    for (name, from, to, material) in [("left", -9.0, 0.0, left), ("right", 0.0, 9.0, right)] {
+        builder.quad(name, [[from, -9.0, z], [to, -9.0, z], [to, 9.0, z], [from, 9.0, z]], material);
     }
     let fov = 2.0 * (HALF / DISTANCE).atan();
     builder.camera("front", CameraDesc::look_at([0.0; 3], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0], fov));
-    builder.build().unwrap()
+    builder
+}
+
+/// A screen across the view that glows on its left half.
+fn screen() -> Scene {
+    let bright = MaterialDesc::emissive("bright", [0.5; 3], [1.0; 3]);
+    halves([bright, MaterialDesc::lambert("dark", [0.5; 3])]).build().unwrap()
 }
 
 fn settings() -> Settings {

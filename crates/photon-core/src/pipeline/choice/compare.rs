@@ -204,10 +204,10 @@ impl<B: TransportBackend> Pipeline<B> {
         let reference = reference(trials);
         // The variance of a pass that is not by photons: that of photons at the same visible points is subtracted. The difference of
         // two variances is uncertain; it is not less than without photons.
-        let by_photons = widest(settings).map_or(0.0, |widest| variance(&trials[widest].passes, &weights));
         let noise_of = |sampled: &[Vec<f64>; 2], all: &[Vec<f64>; 2]| {
-            let difference = variance(all, &weights_of_mean(all)) - by_photons;
-            difference.max(variance(sampled, &weights))
+            let weights = weights_of_mean(all);
+            let by_photons = widest(settings).map_or(0.0, |widest| variance(&trials[widest].passes, &weights));
+            (variance(all, &weights) - by_photons).max(variance(sampled, &weights))
         };
         let noise: Vec<f64> = sampled.iter().zip(all).map(|(sampled, all)| noise_of(sampled, all)).collect();
         // Numbers of gather rays, that variance, and the seconds of the rays.
@@ -273,11 +273,11 @@ impl<B: TransportBackend> Pipeline<B> {
 fn reduced(whole: View) -> View {
     let reduced = |length: u32| (length / REDUCTION).max(MIN_SIZE).min(length);
     let (width, height) = (reduced(whole.width), reduced(whole.height));
-    let [right, under] = whole.camera.pixel_margin;
+    let [x, y] = whole.camera.pixel_margin;
     let margin = |few: u32, all: u32, present: f32| {
         if few == all { present } else { 0.5 - (0.5 - present) * few as f32 / all as f32 }
     };
-    let pixel_margin = [margin(width, whole.width, right), margin(height, whole.height, under)];
+    let pixel_margin = [margin(width, whole.width, x), margin(height, whole.height, y)];
     View { camera: Camera { pixel_margin, ..whole.camera }, width, height }
 }
 

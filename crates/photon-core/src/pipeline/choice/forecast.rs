@@ -180,7 +180,7 @@ pub(super) fn weights_of_mean([one, two]: &[Vec<f64>; 2]) -> Vec<f64> {
     reciprocals(&added(one, two).iter().map(|sum| 0.5 * sum).collect::<Vec<_>>())
 }
 
-fn added(one: &[f64], two: &[f64]) -> Vec<f64> {
+pub(super) fn added(one: &[f64], two: &[f64]) -> Vec<f64> {
     one.iter().zip(two).map(|(a, b)| a + b).collect()
 }
 

@@ -3,6 +3,7 @@
 use super::super::Pipeline;
 use super::super::estimate::is_shown;
 use super::super::slot::BuiltMap;
+use super::forecast::added;
 use crate::backend::stages::Pass;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
@@ -39,14 +40,14 @@ impl Tried {
     /// gather rays, of which there are as many as in the `number`-th trial.
     pub(super) fn sampled(&self, number: usize) -> Vec<f64> {
         match self.gathered.get(number) {
-            Some((gathered, _)) => added(self.seen.clone(), gathered),
+            Some((gathered, _)) => added(&self.seen, gathered),
             None => self.seen.clone(),
         }
     }
 
     /// All light, with that of photons at the visible points of this pass.
     pub(super) fn all(&self, number: usize) -> Vec<f64> {
-        added(self.sampled(number), &self.own)
+        added(&self.sampled(number), &self.own)
     }
 
     /// Seconds for the gather rays of the `number`-th trial; 0 without final gathering.
@@ -194,11 +195,6 @@ impl<B: TransportBackend> Pipeline<B> {
 pub(super) fn widest(settings: &[(Area, f64)]) -> Option<usize> {
     let area = settings.first()?.0;
     settings.iter().rposition(|setting| setting.0 == area)
-}
-
-fn added(mut to: Vec<f64>, other: &[f64]) -> Vec<f64> {
-    to.iter_mut().zip(other).for_each(|(to, other)| *to += other);
-    to
 }
 
 /// The sum of all layers of each pixel, mean of RGB.

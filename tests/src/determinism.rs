@@ -1,8 +1,8 @@
 //! Determinism: the same seed gives the same bits, however the work is distributed.
 
 use photon_core::{
-    Backend, Bandwidth, Budget, CausticPhotons, Error, Indirect, MapKind, Pipeline, Plan, Render, Requirements,
-    Scheduling, Settings, View, render,
+    Area, Backend, Bandwidth, Budget, CausticPhotons, Direct, Error, Indirect, MapKind, Pipeline, Plan, Render,
+    Requirements, Scheduling, Settings, Stage, View, render,
 };
 use photon_scene::Scene;
 
@@ -218,6 +218,47 @@ pub fn a_restart_is_a_fresh_start<T: TestBackend>() {
         let other = pipeline.restart(&ring.view(), 12);
         assert!(matches!(other, Err(Error::InvalidInput { what: "scene", .. })));
     }
+}
+
+/// A pipeline that goes on with other settings gives the same bits as one created with them, and has the same memory: with
+/// other stages and photon maps, more paths, other aimed paths, and shadow rays, for which the scene is prepared again.
+pub fn other_settings_are_a_fresh_start<T: TestBackend>() {
+    let [glass, ring] =
+        ["cornell-glass", "ring"].map(|name| photon_scene::builtin(name).expect("a built-in scene").build().unwrap());
+    let view = View { camera: glass.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+    let draw = |pipeline: &mut Pipeline<T::On>| {
+        render(pipeline, Budget::passes(2), &mut ()).unwrap();
+        let (film, facts) = (pipeline.film().unwrap(), pipeline.facts());
+        (film.pixels, film.errors, pipeline.radii(), (facts.photons, facts.aimed, facts.required, facts.memory))
+    };
+    let auto = Settings { photons: 3000, seed: 3, ..Settings::default() };
+    let others = [
+        Settings { photons: 7000, errors: true, ..auto.clone() },
+        settings(),
+        Settings { caustic_photons: CausticPhotons::Shared, area: Area::Surface, ..auto.clone() },
+        Settings { direct: Direct::Photons, ..auto.clone() },
+        Settings { memory: Some(100 << 20), photons: 500_000, ..auto.clone() },
+        auto.clone(),
+    ];
+    let mut pipeline = Pipeline::new(T::make(2), &glass.view(), view, auto).unwrap();
+    let built = pipeline.facts().setup.get(Stage::Bvh);
+    let mut last = draw(&mut pipeline);
+    for settings in others {
+        let mut fresh = Pipeline::new(T::make(2), &glass.view(), view, settings.clone()).unwrap();
+        let expected = draw(&mut fresh);
+        assert!(expected.0 != last.0, "the settings change nothing: {settings:?}");
+        let is_kept = fresh.facts().required.shadow_rays == pipeline.facts().required.shadow_rays;
+        let before = pipeline.facts().setup.get(Stage::Bvh);
+        pipeline = pipeline.with_settings(&glass.view(), settings).unwrap();
+        assert_eq!(pipeline.facts().setup.get(Stage::Bvh).to_bits() == before.to_bits(), is_kept);
+        assert!(pipeline.facts().setup.without_scene() > 0.0);
+        last = draw(&mut pipeline);
+        assert!(last.0 == expected.0 && last.1 == expected.1);
+        assert_eq!((&last.2, &last.3), (&expected.2, &expected.3));
+    }
+    assert!(built > 0.0);
+    let other = pipeline.with_settings(&ring.view(), settings()).map(drop);
+    assert!(matches!(other, Err(Error::InvalidInput { what: "scene", .. })));
 }
 
 /// S31: a buffer that is too small reports the size it needs; one that may grow gives the same image as one that

@@ -76,7 +76,7 @@ pub fn a15_spots_narrower_than_a_pixel_are_found<T: TestBackend>() {
 /// does not change it, not by a bit.
 pub fn a16_radii_are_at_least_half_a_pixel<T: TestBackend>() {
     let scene = beam(false);
-    // With 400, the queries of the pilot pass are uploaded in several parts, and the spot is not in the first.
+    // With 400, pixels are joined for the search.
     for size in [8, 16, 40, 400] {
         let radii = renderer::<T>(&scene, &settings(), size).radii();
         let half = 0.5 * scene.view().units.length(2.0 * HALF / f64::from(size));

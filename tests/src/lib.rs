@@ -245,7 +245,7 @@ macro_rules! whole_suite {
             display::{ pictures_while_rendering_are_those_of_the_film }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,
-                wider_requirements_change_nothing, forecasts_change_nothing, passes_merge, one_backend_renders_again, a_restart_is_a_fresh_start, s31_full_photon_buffers,
+                wider_requirements_change_nothing, forecasts_change_nothing, passes_merge, one_backend_renders_again, a_restart_is_a_fresh_start, other_settings_are_a_fresh_start, s31_full_photon_buffers,
             }
         }
     };

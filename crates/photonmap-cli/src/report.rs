@@ -145,8 +145,7 @@ fn seconds_of(setup: &StageTimings, details: &Details<'_>) -> Value {
         "project": setup.get(Stage::Project),
         // Where they are needed first, which may be in the pilot pass or in others; those of trials count as trials.
         "pipelines": setup.get(Stage::Compile) + seconds(Stage::Compile),
-        "pilot": setup.total()
-            - [Stage::Prepare, Stage::Bvh, Stage::Project].map(|stage| setup.get(stage)).iter().sum::<f64>(),
+        "pilot": setup.without_scene(),
         "trials": details.seconds_trials,
         "passes": details.seconds_passes,
         "emit+trace": seconds(Stage::Emit) + seconds(Stage::Trace),

@@ -119,7 +119,9 @@ pub trait TransportBackend: FilmBackend {
         Costs { photon, under_way: 100, path: 200, pixel: 1200, query: 200 }
     }
 
-    /// Uploads a scene to the device, after [`SceneView::validate`].
+    /// Uploads a scene to the device, after [`SceneView::validate`]. Of `required` it may depend on the features of scene and
+    /// media, shadow rays and their offset: a scene is kept for settings that differ in other things
+    /// ([`crate::Pipeline::with_settings`]).
     ///
     /// # Errors
     /// Those of [`SceneView::validate`]; [`crate::Error::MissingFeatures`] if the scene needs more than
@@ -269,6 +271,13 @@ impl StageTimings {
     #[must_use]
     pub fn total(&self) -> f64 {
         Stage::ALL.into_iter().filter(|&stage| stage != Stage::Compile).map(|stage| self.get(stage)).sum()
+    }
+
+    /// [`Self::total`] without the stages that depend on the scene alone, which [`crate::Pipeline::with_settings`] does not
+    /// repeat.
+    #[must_use]
+    pub fn without_scene(&self) -> f64 {
+        self.total() - [Stage::Prepare, Stage::Bvh, Stage::Project].map(|stage| self.get(stage)).iter().sum::<f64>()
     }
 
     /// Adds seconds to `stage`.

@@ -9,29 +9,58 @@ use crate::backend::stages::{Aimed, Stages};
 use crate::error::Result;
 use crate::projection::ProjectionMap;
 use crate::requirements::Requirements;
+use crate::requirements::map_kind::PerMap;
 use crate::scene::SceneView;
-use crate::settings::Settings;
+use crate::settings::{CausticPhotons, Settings};
 
-/// All stages of the backend, including those for aimed paths if these are worthwhile; and the seconds that it took to find
-/// out.
+/// Whether paths of a scene are aimed, and where to; with what it depends on besides the scene.
+pub(super) struct Projection {
+    caustic_photons: CausticPhotons,
+    maps: PerMap<bool>,
+    /// `None` if none are aimed.
+    map: Option<ProjectionMap>,
+    /// Seconds that it took to find out.
+    pub(super) seconds: f64,
+}
+
+impl Projection {
+    fn new(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> Self {
+        let begun = Instant::now();
+        let chosen = ProjectionMap::chosen(scene, settings, required);
+        Self {
+            caustic_photons: settings.caustic_photons,
+            maps: required.maps,
+            map: chosen.ok().map(|(map, _)| map),
+            seconds: begun.elapsed().as_secs_f64(),
+        }
+    }
+
+    fn is_for(&self, settings: &Settings, required: &Requirements) -> bool {
+        (self.caustic_photons, self.maps) == (settings.caustic_photons, required.maps)
+    }
+}
+
+/// All stages of the backend, including those for aimed paths if these are worthwhile; and whether they are, which may be
+/// `known` from other settings in the same scene.
 pub(super) fn stages<B: TransportBackend>(
     on: &mut B,
     scene: &SceneView<'_>,
     settings: &Settings,
     required: &Requirements,
-) -> Result<(Stages<B>, f64)> {
+    known: Option<Projection>,
+) -> Result<(Stages<B>, Option<Projection>)> {
     let mut stages = on.stages(required, settings)?;
     if !required.aimed {
-        return Ok((stages, 0.0));
+        return Ok((stages, None));
     }
-    let begun = Instant::now();
-    let chosen = ProjectionMap::chosen(scene, settings, required);
-    let seconds = begun.elapsed().as_secs_f64();
-    if let Ok((projection, paths)) = chosen {
-        let aimed = on.aimed(required, settings, &projection)?;
+    let known = known.filter(|known| known.is_for(settings, required));
+    let projection = known.unwrap_or_else(|| Projection::new(scene, settings, required));
+    if let Some(map) = &projection.map {
+        let aimed = on.aimed(required, settings, map)?;
+        let paths = map.aimed_paths(settings, required);
         stages.aimed = aimed.map(|(emitter, tracer)| Aimed { emitter, tracer, paths });
     }
-    Ok((stages, seconds))
+    Ok((stages, Some(projection)))
 }
 
 /// Memory of a backend with all its tracers: those for aimed paths, and for caustics in reflections, have memory of their

@@ -16,10 +16,18 @@ impl<B: TransportBackend> Pipeline<B> {
     /// # Errors
     /// Errors of the backend, including deferred ones; the backend is dropped then.
     pub fn into_backend(self) -> Result<B> {
+        let (mut on, scene) = self.without_stages();
+        drop(scene);
+        on.reset()?;
+        Ok(on)
+    }
+
+    /// The backend and the prepared scene; all other memory of this render is freed.
+    pub(super) fn without_stages(self) -> (B, B::Scene) {
         // Everything that holds buffers: fields that are not named here would be dropped only after the
         // call below.
         let Self {
-            mut on,
+            on,
             scene,
             stages,
             film,
@@ -33,9 +41,8 @@ impl<B: TransportBackend> Pipeline<B> {
             bandwidth,
             ..
         } = self;
-        drop((scene, stages, film, rays, maps, queries, reflections, estimates, error_moments, points, bandwidth));
-        on.reset()?;
-        Ok(on)
+        drop((stages, film, rays, maps, queries, reflections, estimates, error_moments, points, bandwidth));
+        (on, scene)
     }
 
     /// Starts another picture of the same scene with other random numbers: bitwise equal to that of a new
@@ -46,10 +53,7 @@ impl<B: TransportBackend> Pipeline<B> {
     /// [`Error::InvalidInput`] for a scene of another size or power, and errors of the backend; after an
     /// error, the pipeline has to be restarted again or dropped.
     pub fn restart(&mut self, scene: &SceneView<'_>, seed: u64) -> Result<()> {
-        if scene.units != self.units {
-            let why = format!("has {:?}, but the pipeline was made with {:?}", scene.units, self.units);
-            return Err(Error::InvalidInput { what: "scene", index: 0, why });
-        }
+        self.check_same(scene)?;
         self.recover()?;
         (self.state, self.read) = (State::RestartFailed, None);
         self.film = self.on.film(scene, self.view.width, self.view.height)?;
@@ -68,11 +72,20 @@ impl<B: TransportBackend> Pipeline<B> {
             self.fit(plan)?;
         }
         if self.estimates.is_some() && radii::need_pilot(&self.settings) {
-            self.pilot()?;
+            self.pilot(scene)?;
         }
         self.setup = self.on.timings()?;
         self.state = State::Ready;
         Ok(())
+    }
+
+    /// Whether `scene` can be the one that the pipeline was made with.
+    pub(super) fn check_same(&self, scene: &SceneView<'_>) -> Result<()> {
+        if scene.units == self.units {
+            return Ok(());
+        }
+        let why = format!("has {:?}, but the pipeline was made with {:?}", scene.units, self.units);
+        Err(Error::InvalidInput { what: "scene", index: 0, why })
     }
 
     /// Restores the state after a failed pass: reallocates the photons of maps that were lost, and discards

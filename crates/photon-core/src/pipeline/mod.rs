@@ -82,6 +82,8 @@ pub struct Pipeline<B: TransportBackend> {
     points: Option<irradiance::Points<B>>,
     /// The film as it was read for a forecast after the last pass.
     read: Option<Film>,
+    /// Where paths are aimed to, for other settings of the same scene; `None` if the scene or the stages of a caller aim none.
+    projection: Option<Projection>,
     /// If each pixel has its own radius; the factors once they are known.
     bandwidth: Option<(bandwidth::Radii, Option<B::Buffer<u32>>)>,
 }
@@ -99,7 +101,9 @@ mod photons;
 mod pilot;
 mod read;
 mod slot;
+mod with_settings;
 
+use aimed::Projection;
 use slot::{MapSlot, State};
 
 impl<B: TransportBackend> Pipeline<B> {
@@ -144,7 +148,7 @@ impl<B: TransportBackend> Pipeline<B> {
     ) -> Result<Self> {
         scene.validate()?;
         let batch = on.batch();
-        Self::assemble(on, scene, view, settings, (required, stages), batch)
+        Self::assemble(on, scene, (view.within(scene), None), settings, (required, stages), batch)
     }
 
     /// Like [`Pipeline::new`], with `batch` paths per batch instead of [`TransportBackend::batch`]. The picture is the
@@ -174,16 +178,19 @@ impl<B: TransportBackend> Pipeline<B> {
         required: Requirements,
         batch: u32,
     ) -> Result<Self> {
-        let (stages, seconds) = aimed::stages(&mut on, scene, &settings, &required)?;
-        let mut pipeline = Self::assemble(on, scene, view, settings, (required, stages), batch)?;
-        pipeline.setup.add(Stage::Project, seconds);
+        let (stages, projection) = aimed::stages(&mut on, scene, &settings, &required, None)?;
+        let mut pipeline = Self::assemble(on, scene, (view.within(scene), None), settings, (required, stages), batch)?;
+        pipeline.setup.add(Stage::Project, projection.as_ref().map_or(0.0, |projection| projection.seconds));
+        pipeline.projection = projection;
         Ok(pipeline)
     }
+
+    /// `view` is [`View::within`] the scene, which may have been prepared.
 
     fn assemble(
         mut on: B,
         scene: &SceneView<'_>,
-        view: View,
+        (view, prepared): (View, Option<B::Scene>),
         settings: Settings,
         (required, stages): (Requirements, Stages<B>),
         batch: u32,
@@ -194,7 +201,6 @@ impl<B: TransportBackend> Pipeline<B> {
         check::check_irradiance(scene, &settings)?;
         required.check(Features::of(scene))?;
         required.check_format(PhotonFormat::of(scene, &settings))?;
-        let view = view.within(scene);
         let required =
             Requirements { photon_format: required.photon_format.max(photon_format::least(&stages)), ..required };
         let mut film = on.film(scene, view.width, view.height)?;
@@ -202,7 +208,10 @@ impl<B: TransportBackend> Pipeline<B> {
             on.keep_errors(&mut film)?;
         }
         on.mark(Some(Stage::Prepare));
-        let prepared = on.prepare(scene, &required)?;
+        let prepared = match prepared {
+            Some(prepared) => prepared,
+            None => on.prepare(scene, &required)?,
+        };
         on.mark(None);
         let pixels = u64::from(view.width) * u64::from(view.height);
         let splits = required.features.splits_camera_paths();
@@ -276,6 +285,7 @@ impl<B: TransportBackend> Pipeline<B> {
             error_moments,
             points: None,
             read: None,
+            projection: None,
             bandwidth: own_radii,
         };
         match pipeline.cap {
@@ -283,7 +293,7 @@ impl<B: TransportBackend> Pipeline<B> {
             None => pipeline.allocate_maps(2.0)?,
         }
         if any_map && radii::need_pilot(&pipeline.settings) {
-            pipeline.pilot()?;
+            pipeline.pilot(scene)?;
         }
         pipeline.setup = pipeline.on.timings()?;
         Ok(pipeline)

@@ -9,15 +9,13 @@ use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::footprint::Footprint;
 use crate::radius::radii;
+use crate::scene::SceneView;
 use crate::scene::layout::Query;
 use crate::settings::Estimator;
 
-/// Largest number of queries that the pilot pass uploads at once: a few megabytes, whatever the size of the picture.
-const QUERIES: usize = 1 << 16;
-
 impl<B: TransportBackend> Pipeline<B> {
     /// Traces a pilot pass to derive radii from the density of its photons, and from the footprints of pixels.
-    pub(super) fn pilot(&mut self) -> Result<()> {
+    pub(super) fn pilot(&mut self, scene: &SceneView<'_>) -> Result<()> {
         let paths = self.settings.photons.min(PILOT_PATHS);
         let sent = self.emit_and_trace(PILOT_PASS, paths, &mut ())?;
         let all = self.settings.photons;
@@ -43,7 +41,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 && !reflected
                 && f64::from(radius) < Footprint::new(&self.view).most();
             if bounded && typical.is_some() {
-                radius = radius.max(self.least_radius(&built, &mut seen)?);
+                radius = radius.max(self.least_radius(scene, &built, &mut seen)?);
             }
             let slot: &mut MapSlot<B> = &mut self.maps[index];
             slot.radius = radii::scaled(radius, self.settings.radius_factor as f32);
@@ -55,23 +53,30 @@ impl<B: TransportBackend> Pipeline<B> {
 
     /// The smallest useful radius of a map: [`Footprint::bound`]. `seen` are the visible points of the pilot pass, once
     /// they are known.
-    fn least_radius(&mut self, map: &B::PhotonMap, seen: &mut Option<Vec<Query>>) -> Result<f32> {
+    fn least_radius(
+        &mut self,
+        scene: &SceneView<'_>,
+        map: &B::PhotonMap,
+        seen: &mut Option<Vec<Query>>,
+    ) -> Result<f32> {
         let pass = Pass { seed: self.settings.seed, index: PILOT_PASS, random: self.settings.random };
+        let footprint = Footprint::new(&self.view);
         if seen.is_none() {
             self.on.mark(Some(Stage::Eye));
+            // What the camera sees of lights belongs to no pass.
+            let mut film = self.on.film(scene, footprint.seen.width, footprint.seen.height)?;
             self.stages.eye.trace_eye(
                 &mut self.on,
                 &self.scene,
-                &self.view,
+                &footprint.seen,
                 pass,
-                &mut self.film,
+                &mut film,
                 &mut self.queries,
             )?;
             let mut queries = Vec::new();
             self.on.download(&self.queries, &mut queries)?;
-            // What the camera sees of lights belongs to no pass.
-            self.on.abandon_pass(&mut self.film)?;
-            Footprint::new(&self.view).search(&mut queries);
+            self.on.abandon_pass(&mut film)?;
+            footprint.search(&mut queries);
             *seen = Some(queries);
         }
         let (Some(queries), Some(estimates)) = (seen, &mut self.estimates) else { return Ok(0.0) };
@@ -84,13 +89,10 @@ impl<B: TransportBackend> Pipeline<B> {
             max_plane_distance: self.settings.max_plane_distance,
             ..EstimateParams::new(Search::Radius)
         };
-        let (mut found, mut part) = (Vec::with_capacity(queries.len()), Vec::new());
-        for some in queries.chunks(QUERIES) {
-            let uploaded = self.on.upload("queries of the pilot pass", some)?;
-            self.stages.map.estimator.estimate(&mut self.on, map, &uploaded, &gather, estimates)?;
-            self.on.download(estimates, &mut part)?;
-            found.append(&mut part);
-        }
-        Ok(Footprint::new(&self.view).bound(queries, &found))
+        let uploaded = self.on.upload("queries of the pilot pass", queries)?;
+        self.stages.map.estimator.estimate(&mut self.on, map, &uploaded, &gather, estimates)?;
+        let mut found = Vec::new();
+        self.on.download(estimates, &mut found)?;
+        Ok(footprint.bound(queries, &found))
     }
 }

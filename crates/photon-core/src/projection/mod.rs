@@ -103,6 +103,11 @@ struct Marking {
     blocks: u64,
 }
 
+/// Whether no other map than that of the aimed photons is filled.
+fn is_alone(required: &Requirements) -> bool {
+    required.maps.iter().all(|(kind, &filled)| kind.is_aimed() || !filled)
+}
+
 impl ProjectionMap {
     /// Aiming is worthwhile in addition to other paths if at most this share of the light could reach a
     /// specular surface, and most of that light a smooth one: more photons make derived radii smaller, and the error
@@ -140,13 +145,12 @@ impl ProjectionMap {
         settings: &Settings,
         required: &Requirements,
     ) -> Result<(Self, u32), NoProjection> {
-        let alone = required.maps.iter().all(|(kind, &filled)| kind.is_aimed() || !filled);
-        let (most, paths) = match settings.caustic_photons {
+        let (most, is_certain) = match settings.caustic_photons {
             CausticPhotons::Shared => return Err(NoProjection::Shared),
-            CausticPhotons::Auto if alone => (f64::INFINITY, Some(settings.photons)),
-            CausticPhotons::Auto if scene.materials_in_use().any(is_smooth) => (Self::WORTH, None),
-            CausticPhotons::Auto => (Self::WORTH_ROUGH, None),
-            CausticPhotons::Aimed(paths) => (f64::INFINITY, Some(paths)),
+            CausticPhotons::Auto if is_alone(required) => (f64::INFINITY, true),
+            CausticPhotons::Auto if scene.materials_in_use().any(is_smooth) => (Self::WORTH, false),
+            CausticPhotons::Auto => (Self::WORTH_ROUGH, false),
+            CausticPhotons::Aimed(_) => (f64::INFINITY, true),
         };
         if environment_share(scene) > most {
             return Err(NoProjection::Environment);
@@ -157,15 +161,22 @@ impl ProjectionMap {
             (true, true) => Err(NoProjection::Unlit),
             (true, false) => {
                 let rough = counted > Self::WORTH_ROUGH;
-                match paths {
-                    Some(paths) => Ok((projection, paths)),
-                    None if rough && !Self::is_sharp(scene, counted) => Err(NoProjection::NotWorth),
-                    None => {
-                        let paths = Self::paths(settings.photons, projection.share);
-                        Ok((projection, paths))
-                    }
+                if !is_certain && rough && !Self::is_sharp(scene, counted) {
+                    return Err(NoProjection::NotWorth);
                 }
+                let paths = projection.aimed_paths(settings, required);
+                Ok((projection, paths))
             }
+        }
+    }
+
+    /// Number of aimed paths per pass. Of the settings, nothing else that [`Self::chosen`] returns depends on the number of the
+    /// other paths.
+    pub(crate) fn aimed_paths(&self, settings: &Settings, required: &Requirements) -> u32 {
+        match settings.caustic_photons {
+            CausticPhotons::Aimed(paths) => paths,
+            CausticPhotons::Auto if is_alone(required) => settings.photons,
+            CausticPhotons::Auto | CausticPhotons::Shared => Self::paths(settings.photons, self.share),
         }
     }
 

@@ -16,32 +16,44 @@ const SEARCH: f64 = 1.5;
 /// The share of a map's light that may be seen by pixels that are narrower than the one from which the bound is taken.
 const NARROWER: f64 = 0.05;
 
+/// Most pixels for which light is searched. Those of larger pictures are joined, so that spots of light are not missed between
+/// them.
+const SEEN: f64 = 16_384.0;
+
 /// Largest distance of two points of the scene, normalised space: the diagonal of the unit cube.
 const DIAGONAL: f64 = 1.732_050_807_568_877_2;
 
 /// Widths of the pixels of a view.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Footprint<'a> {
-    view: &'a View,
+pub(crate) struct Footprint {
+    /// The view with at most [`SEEN`] pixels, which have no margins.
+    pub(crate) seen: View,
     /// Half the width and height of the picture, at distance 1 or everywhere.
     half: [f64; 2],
+    /// Width of a pixel of `seen` at distance 1, or everywhere if rays are parallel: of its two sides the shorter one.
+    unit: f64,
+    /// Width of a pixel of the picture over that.
+    part: f64,
 }
 
-impl<'a> Footprint<'a> {
-    pub(crate) fn new(view: &'a View) -> Self {
+impl Footprint {
+    pub(crate) fn new(view: &View) -> Self {
         let length = |[x, y, z]: [f32; 3]| libm::hypot(libm::hypot(f64::from(x), f64::from(y)), f64::from(z));
-        Self { view, half: [length(view.camera.right), length(view.camera.up)] }
-    }
-
-    /// Width of a pixel at distance 1, or everywhere if rays are parallel: of its two sides the shorter one.
-    fn unit(&self) -> f64 {
-        let [x, y] = self.half;
-        (2.0 * x / f64::from(self.view.width)).min(2.0 * y / f64::from(self.view.height))
+        let half = [length(view.camera.right), length(view.camera.up)];
+        let reduction = (SEEN / (f64::from(view.width) * f64::from(view.height))).sqrt().min(1.0);
+        let reduced = |all: u32| ((f64::from(all) * reduction) as u32).max(1);
+        let camera = Camera { pixel_margin: [0.0; 2], ..view.camera };
+        let seen = View { camera, width: reduced(view.width), height: reduced(view.height) };
+        let unit = |view: &View| {
+            let [x, y] = view.camera.pixel_margin.map(|margin| 1.0 - 2.0 * f64::from(margin));
+            (2.0 * half[0] / f64::from(view.width) * x).min(2.0 * half[1] / f64::from(view.height) * y)
+        };
+        Self { seen, half, unit: unit(&seen), part: unit(view) / unit(&seen) }
     }
 
     /// An upper bound of the smallest radius anywhere in the scene: larger radii need no camera rays to be known useful.
     pub(crate) fn most(&self) -> f64 {
-        let camera = &self.view.camera;
+        let camera = &self.seen.camera;
         let distance = match camera.kind {
             Camera::ORTHOGRAPHIC => 1.0,
             _ => {
@@ -49,26 +61,26 @@ impl<'a> Footprint<'a> {
                 from_centre + 0.5 * DIAGONAL
             }
         };
-        LEAST * self.unit() * distance
+        LEAST * self.part * self.unit * distance
     }
 
-    /// Width of the query's pixel at the query, perpendicular to the camera ray and in the direction in which it is
+    /// Width of the query's pixel of `seen` at the query, perpendicular to the camera ray and in the direction in which it is
     /// narrowest, normalised space. A path by way of mirrors or glass is at least as long as the straight line that is
     /// used here. What they magnify is seen by narrower pixels: it is left out.
     fn width(&self, query: &Query) -> f64 {
-        let camera = &self.view.camera;
+        let camera = &self.seen.camera;
         if camera.kind == Camera::ORTHOGRAPHIC {
-            return self.unit();
+            return self.unit;
         }
         let towards = |axis: usize| f64::from(query.position[axis]) - f64::from(camera.origin[axis]);
         let distance = (0..3).map(|axis| towards(axis) * towards(axis)).sum::<f64>().sqrt();
-        let (column, row) = (query.pixel % self.view.width, query.pixel / self.view.width);
+        let (column, row) = (query.pixel % self.seen.width, query.pixel / self.seen.width);
         let offset = |at: u32, all: u32, half: f64| half * ((2.0 * f64::from(at) + 1.0) / f64::from(all) - 1.0);
-        let x = offset(column, self.view.width, self.half[0]);
-        let y = offset(row, self.view.height, self.half[1]);
+        let x = offset(column, self.seen.width, self.half[0]);
+        let y = offset(row, self.seen.height, self.half[1]);
         // Across the ray a pixel is narrower by the cosine of its angle to the axis, for each of two reasons: its side is
         // farther away, and seen obliquely.
-        self.unit() * distance / (1.0 + x * x + y * y)
+        self.unit * distance / (1.0 + x * x + y * y)
     }
 
     /// Gives each query a radius that finds all of the light in its pixel.
@@ -89,7 +101,7 @@ impl<'a> Footprint<'a> {
             (self.width(query), flux.sum::<f64>() / f64::from(estimate.radius_squared))
         };
         let lit = queries.iter().zip(estimates).map(light).filter(|(_, light)| *light > 0.0 && light.is_finite());
-        (LEAST * quantile(lit.collect())) as f32
+        (LEAST * self.part * quantile(lit.collect())) as f32
     }
 }
 
@@ -146,6 +158,32 @@ mod tests {
         assert!((got / expected - 1.0).abs() < 1e-3, "{got} {expected}");
         let parallel = View { camera: Camera { kind: Camera::ORTHOGRAPHIC, ..view.camera }, ..view };
         assert!((Footprint::new(&parallel).width(&query([0.3, 0.1, -9.0], 31)) - 0.1).abs() < 1e-7);
+    }
+
+    /// The same surface and light give the same bound in a larger picture, whose pixels are joined, for its own pixels.
+    #[test]
+    fn pixels_of_large_pictures_are_joined() {
+        let small = view(Camera::PERSPECTIVE);
+        let large = View { width: 800, height: 400, ..small };
+        let footprint = Footprint::new(&large);
+        assert_eq!((footprint.seen.width, footprint.seen.height), (181, 90));
+        let at = [0.0, 0.0, -0.5];
+        let joined = [query(at, 45 * 181 + 90)];
+        let estimates = [Estimate { flux: [1.0; 3], radius_squared: 1.0, ..Estimate::default() }];
+        // Pixels of the small picture are a hundred times as wide, at the same place.
+        let expected = 0.01 * LEAST * 0.1;
+        let bound = f64::from(footprint.bound(&joined, &estimates));
+        assert!((bound / expected - 1.0).abs() < 1e-3, "{bound} {expected}");
+        assert!((footprint.most() / Footprint::new(&small).most() - 0.01).abs() < 1e-9);
+        // Light is searched in all of a joined pixel.
+        let mut searched = joined;
+        footprint.search(&mut searched);
+        assert!((f64::from(searched[0].radius) / (SEARCH * 2.0 * 0.4 / 181.0) - 1.0).abs() < 1e-3);
+        // Margins make the pixels of the picture narrower, not those that are searched.
+        let camera = Camera { pixel_margin: [0.25, 0.0], ..small.camera };
+        let narrow = Footprint::new(&View { camera, ..large });
+        assert_eq!(narrow.seen, footprint.seen);
+        assert!((narrow.part / footprint.part - 0.5).abs() < 1e-9);
     }
 
     /// No bound is above the one that is compared first.

@@ -114,6 +114,12 @@ impl Requirements {
         settings.caustic_roughness.filter(|_| self.gloss_caustics_of_all_lights)
     }
 
+    /// Whether [`crate::TransportBackend::prepare`] makes the same of a scene for `other`.
+    pub(crate) fn prepares_like(&self, other: &Self) -> bool {
+        let read = |of: &Self| (of.features, of.media, of.shadow_rays, of.terminator_offset);
+        read(self) == read(other)
+    }
+
     /// Checks that stages built for `self` support the features `needed`.
     ///
     /// # Errors

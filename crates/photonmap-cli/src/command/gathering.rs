@@ -13,13 +13,17 @@ use crate::fault::Fault;
 /// With less time left, passes would be too few for their noise.
 const MIN_SECONDS: f64 = 1.2;
 
-/// The preparation of two more pipelines, and trials like those that were made, must take at most this part of the time. Those of
-/// final gathering, with 1 and 16 rays for each of few pixels, take about as long as those of maps.
+/// Changing the settings of the pipeline twice, and trials, must take at most this part of the time.
 const MAX_COST: f64 = 0.1;
 
-/// A larger part is affordable if it is short: on a GPU these seconds, up to this part of the time.
+/// Trials of final gathering, with 1 and 16 rays for each of few pixels, over those of maps: 0.6 to 2.7 times the time.
+const COST_OF_RAYS: f64 = 1.5;
+
+/// A larger part is affordable if it is short and many passes fit, as on a GPU: these seconds, up to this part of the time. In
+/// fewer passes the noise of gather rays outweighs what they gain.
 const SHORT: f64 = 0.45;
 const MAX_SHORT_COST: f64 = 0.27;
+const MANY_PASSES: f64 = 50.0;
 
 /// Estimates from maps have to make up this part of the forecast error: gather rays, or more paths, do not change the rest.
 const MIN_MAP_SHARE: f64 = 0.5;
@@ -34,7 +38,7 @@ const CLEARLY_LESS: f64 = 0.8;
 const MUCH_LESS_PRESET: f64 = 0.25;
 
 /// Whether final gathering could be better than what was chosen, and whether finding out takes a small part of the time:
-/// `setup` is that of a pipeline, and `trials` are the seconds that the present choice took.
+/// `setup` is that of the pipeline, and `trials` are the seconds that the present choice took.
 pub(super) fn is_worth_trying(
     args: &SettingsArgs,
     settings: &Settings,
@@ -50,13 +54,15 @@ pub(super) fn is_worth_trying(
         && !budget.errors
         && budget.target_error.is_none();
     // Its kernels are not compiled yet: about as long as those of the present pipeline.
-    let cost = 2.0 * setup.total() + setup.get(Stage::Compile) + trials;
-    let may_help = choice.chosen().is_some_and(|chosen| is_by_maps(chosen.error, chosen.direct_error));
-    is_open && is_possible && is_affordable(cost, choice.seconds) && may_help
+    let cost = 2.0 * setup.without_scene() + setup.get(Stage::Compile) + COST_OF_RAYS * trials;
+    let Some(chosen) = choice.chosen() else { return false };
+    let is_affordable = is_affordable(cost, choice.seconds, choice.seconds / chosen.seconds);
+    is_open && is_possible && is_affordable && is_by_maps(chosen.error, chosen.direct_error)
 }
 
-fn is_affordable(cost: f64, seconds: f64) -> bool {
-    seconds >= MIN_SECONDS && cost <= (MAX_COST * seconds).max(SHORT.min(MAX_SHORT_COST * seconds))
+fn is_affordable(cost: f64, seconds: f64, passes: f64) -> bool {
+    let short = if passes >= MANY_PASSES { SHORT.min(MAX_SHORT_COST * seconds) } else { 0.0 };
+    seconds >= MIN_SECONDS && cost <= (MAX_COST * seconds).max(short)
 }
 
 /// Whether enough of an error is by estimates from maps.
@@ -78,7 +84,7 @@ pub(super) fn choose<B: TransportBackend>(
     let photons = renderer.facts().photons;
     let gathers =
         Settings { indirect: Indirect::Gather, bandwidth: Bandwidth::Shared, errors: false, ..settings.clone() };
-    let mut renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, gathers.clone())?;
+    let mut renderer = renderer.with_settings(&scene.view(), gathers.clone())?;
     let open = Open { photons: false, area: false, radius_factor: false, bandwidth: false, gather_rays: true };
     let other = renderer.choose(&scene.view(), Goal::Time(deadline.left()), open)?;
     let error = |choice: &Choice| choice.chosen().map(|chosen| chosen.error);
@@ -92,7 +98,7 @@ pub(super) fn choose<B: TransportBackend>(
         }
         other => {
             let (chosen, _) = timed::with_choice(args, settings, &choice, (photons, view, deadline.left()));
-            let renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, chosen.clone())?;
+            let renderer = renderer.with_settings(&scene.view(), chosen.clone())?;
             add(&mut choice.candidates, other.map_or_else(Vec::new, |other| other.candidates));
             Ok((renderer, chosen, Some(choice)))
         }
@@ -152,10 +158,12 @@ mod tests {
 
     #[test]
     fn trials_take_little_of_the_time_and_may_help() {
-        assert!(is_affordable(1.0, 10.0) && !is_affordable(1.01, 10.0) && !is_affordable(0.0, 1.1));
-        // Short trials may take more of a short time.
-        assert!(is_affordable(0.45, 2.0) && !is_affordable(0.46, 2.0) && is_affordable(0.32, 1.2));
-        assert!(!is_affordable(0.33, 1.2));
+        let few = |cost, seconds| is_affordable(cost, seconds, 49.0);
+        assert!(few(1.0, 10.0) && !few(1.01, 10.0) && !few(0.0, 1.1) && few(0.2, 2.0) && !few(0.21, 2.0));
+        // Short trials may take more of a short time in which many passes fit.
+        let many = |cost, seconds| is_affordable(cost, seconds, 50.0);
+        assert!(many(0.45, 2.0) && !many(0.46, 2.0) && many(0.32, 1.2) && !many(0.33, 1.2) && many(1.0, 10.0));
+        assert!(!is_affordable(0.3, 2.0, f64::NAN));
         assert!(is_by_maps(1.0, 0.49) && !is_by_maps(1.0, 0.51) && !is_by_maps(f64::NAN, 0.0));
     }
 

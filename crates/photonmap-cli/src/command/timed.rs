@@ -105,7 +105,7 @@ pub(super) fn choose<B: TransportBackend>(
     }
     let (wanted, is_new) = with_choice(args, settings, &choice, (renderer.facts().photons, view, choice.seconds));
     if is_new {
-        renderer = Pipeline::new(renderer.into_backend()?, &scene.view(), view, wanted.clone())?;
+        renderer = renderer.with_settings(&scene.view(), wanted.clone())?;
     }
     Ok((renderer, wanted, Some(choice)))
 }
@@ -125,7 +125,7 @@ pub(super) fn with_choice(
     if args.photon.photons.is_none() {
         let pixels = view.width.saturating_mul(view.height);
         let more = if args.is_timed() { more_paths(choice, photons, pixels, seconds) } else { None };
-        let chosen = more.map_or(choice.photons, |more| more.max(choice.photons));
+        let chosen = more.unwrap_or(choice.photons);
         is_new = chosen != photons;
         if is_new {
             settings.photons = chosen;
@@ -139,19 +139,20 @@ const MANY_PASSES: f64 = 200.0;
 
 /// The number of paths per pass if more are better: where radii are those of each pixel, the squared error by photons falls about
 /// as (total paths)^(−2/3). On a GPU a pass takes hardly longer with several times as many; but where most of the error has other
-/// causes, fewer passes add to it. At most two per pixel; `None` if that is less than 1.5 times those of now.
+/// causes, fewer passes add to it. At most two per pixel; `None` if that is less than 1.5 times those that were
+/// chosen.
 fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
     let is_like =
         |each: &&Candidate| (each.area, each.bandwidth, each.photons) == (choice.area, choice.bandwidth, photons);
     let best = choice.candidates.iter().find(is_like)?;
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
     let may_help = gathering::is_by_maps(best.error, best.direct_error);
-    if choice.bandwidth == Bandwidth::PerPixel && may_help { increased(photons, pixels, parts, seconds) } else { None }
+    let paths = affordable(photons, parts, seconds).min(2.0 * f64::from(pixels)) as u32;
+    (choice.bandwidth == Bandwidth::PerPixel && may_help && is_clearly_more(paths, choice.photons)).then_some(paths)
 }
 
-fn increased(photons: u32, pixels: u32, parts: [f64; 2], seconds: f64) -> Option<u32> {
-    let paths = affordable(photons, parts, seconds).min(2.0 * f64::from(pixels)) as u32;
-    (f64::from(paths) >= 1.5 * f64::from(photons)).then_some(paths)
+fn is_clearly_more(paths: u32, chosen: u32) -> bool {
+    f64::from(paths) >= 1.5 * f64::from(chosen)
 }
 
 /// The paths with which [`MANY_PASSES`] fit if those of now take the first of these seconds of a pass, and in proportion; what
@@ -162,6 +163,8 @@ fn affordable(photons: u32, [for_photons, rest]: [f64; 2], seconds: f64) -> f64 
 
 #[cfg(test)]
 mod tests {
+    use backend_cpu::Cpu;
+
     use super::*;
 
     #[test]
@@ -175,12 +178,48 @@ mod tests {
         assert!(affordable(100_000, [0.0, 0.0], 1.0).is_finite());
     }
 
+    /// Radii per pixel for 100 000 paths in 10 ms, half of them for photons, with an error of which 0.1 is not by photons.
+    fn choice() -> Choice {
+        let scene = photon_scene::builtin("furnace").unwrap().build().unwrap();
+        let view = View { camera: scene.camera(None, 4, 4).unwrap(), width: 4, height: 4 };
+        let settings = Settings { photons: 100, ..Settings::default() };
+        let mut renderer = Pipeline::new(Cpu::with_threads(1).unwrap(), &scene.view(), view, settings).unwrap();
+        let open = Open { photons: false, area: true, radius_factor: false, bandwidth: true, gather_rays: false };
+        let mut choice = renderer.choose(&scene.view(), Goal::Time(1.0), open).unwrap().unwrap();
+        (choice.bandwidth, choice.photon_seconds) = (Bandwidth::PerPixel, 0.005);
+        choice.candidates.truncate(1);
+        let only = &mut choice.candidates[0];
+        (only.photons, only.area, only.bandwidth) = (100_000, choice.area, choice.bandwidth);
+        (only.seconds, only.error, only.direct_error) = (0.01, 1.0, 0.1);
+        choice
+    }
+
     #[test]
     fn paths_are_at_most_two_per_pixel_and_increase_clearly_or_not_at_all() {
-        let parts = [0.005, 0.005];
-        assert_eq!(increased(100_000, 250_000, parts, 10.0), Some(500_000));
-        assert!(increased(100_000, 10_000_000, parts, 10.0).is_some_and(|paths| paths.abs_diff(900_000) <= 1));
-        assert_eq!(increased(100_000, 70_000, parts, 10.0), None);
-        assert_eq!(increased(100_000, 10_000_000, parts, 2.0), None);
+        let mut choice = choice();
+        let mut increased = |chosen, pixels, seconds| {
+            choice.photons = chosen;
+            more_paths(&choice, 100_000, pixels, seconds)
+        };
+        assert_eq!(increased(100_000, 250_000, 10.0), Some(500_000));
+        assert!(increased(100_000, 10_000_000, 10.0).is_some_and(|paths| paths.abs_diff(900_000) <= 1));
+        assert_eq!(increased(100_000, 70_000, 10.0), None);
+        assert_eq!(increased(100_000, 10_000_000, 2.0), None);
+        // As many were chosen already.
+        assert_eq!(increased(400_000, 250_000, 10.0), None);
+        assert_eq!(increased(200_000, 250_000, 10.0), Some(500_000));
+    }
+
+    #[test]
+    fn only_errors_by_maps_with_radii_per_pixel_need_more_paths() {
+        let mut choice = choice();
+        let mut of = |bandwidth, direct_error| {
+            choice.bandwidth = bandwidth;
+            (choice.candidates[0].bandwidth, choice.candidates[0].direct_error) = (bandwidth, direct_error);
+            more_paths(&choice, 100_000, 250_000, 10.0)
+        };
+        assert_eq!(of(Bandwidth::PerPixel, 0.4), Some(500_000));
+        assert_eq!(of(Bandwidth::PerPixel, 0.6), None);
+        assert_eq!(of(Bandwidth::Shared, 0.4), None);
     }
 }

@@ -197,7 +197,7 @@ impl<B: TransportBackend> Pipeline<B> {
             may_be_per_pixel: open.bandwidth,
             photons: self.settings.photons,
             photon_seconds: photons[1],
-            setup: self.setup.total(),
+            setup: self.setup.without_scene(),
         };
         let Some(least) = trials.first() else { return comparison };
         let weights = weights(least, others);

@@ -11,6 +11,11 @@ const CLEARLY_LESS: f64 = 0.85;
 /// in place of areas of surfaces.
 const LESS: f64 = 0.95;
 
+/// The same if [`SEVERAL_PASSES`] are expected: with shared radii the bias, of which trials show little, then decides, and large
+/// radii are easily expected to be too good.
+const NOT_MORE: f64 = 1.05;
+const SEVERAL_PASSES: f64 = 130.0;
+
 /// More paths are chosen, one number after the other, if a pass takes at most this many times as long as with the number before, and
 /// the error is at most this many times that of the best: two passes hardly show rare bright photons, of which more are
 /// found, or the bias of narrow features.
@@ -21,8 +26,8 @@ const HARDLY_MORE: f64 = 1.05;
 const MANY_PASSES: f64 = 700.0;
 
 /// The best of the candidates, which are by increasing error, for this time; `now` is the present number of paths. `None` without
-/// a candidate that has this number. The kinds of radii are compared after more paths were taken for each, which may raise an
-/// error by [`HARDLY_MORE`].
+/// a candidate that has this number. Areas and the kinds of radii are compared after more paths were taken for each, which may
+/// raise an error by [`HARDLY_MORE`].
 pub(super) fn decide(candidates: &[Candidate], now: u32, seconds: f64) -> Option<Candidate> {
     let shared = best_with(candidates, Bandwidth::Shared, now);
     let per_pixel = best_with(candidates, Bandwidth::PerPixel, now);
@@ -32,20 +37,34 @@ pub(super) fn decide(candidates: &[Candidate], now: u32, seconds: f64) -> Option
             // Another number of paths may have less error with shared radii too, though not clearly.
             let like = |each: &&Candidate| each.bandwidth == Bandwidth::Shared && each.area == shared.area;
             let least = candidates.iter().find(like).map_or(shared.error, |best| best.error);
-            let is_better = per_pixel.error < if loses_edges { CLEARLY_LESS } else { LESS } * least;
-            Some(if is_better || seconds > MANY_PASSES * per_pixel.seconds { per_pixel } else { shared })
+            let passes = seconds / per_pixel.seconds;
+            let less = if passes > SEVERAL_PASSES { NOT_MORE } else { LESS };
+            let is_better = per_pixel.error < if loses_edges { CLEARLY_LESS } else { less } * least;
+            Some(if is_better || passes > MANY_PASSES { per_pixel } else { shared })
         }
         (shared, per_pixel) => per_pixel.or(shared),
     }
 }
 
-/// The best with this kind of radii.
+/// The best with this kind of radii; discs only if their error is clearly less than the least with areas of surfaces.
 fn best_with(candidates: &[Candidate], bandwidth: Bandwidth, now: u32) -> Option<Candidate> {
-    let best = best_of(candidates, |each| each.bandwidth == bandwidth && each.photons == now)?;
-    let other = best_of(candidates, |each| each.bandwidth == bandwidth && each.photons != now);
-    let best = other.filter(|other| other.error < CLEARLY_LESS * best.error).unwrap_or(best);
+    let best = |area| best_of(candidates, (bandwidth, area), now);
+    match (best(Area::Surface), best(Area::Disc)) {
+        (Some((surface, least)), Some((disc, _))) => {
+            Some(if disc.error < CLEARLY_LESS * least { disc } else { surface })
+        }
+        (surface, disc) => surface.or(disc).map(|(best, _)| best),
+    }
+}
+
+/// The best with these radii and areas, and the least error of such candidates.
+fn best_of(candidates: &[Candidate], (bandwidth, area): (Bandwidth, Area), now: u32) -> Option<(Candidate, f64)> {
+    let mut such = candidates.iter().filter(|each| (each.bandwidth, each.area) == (bandwidth, area)).copied();
+    let best = such.clone().find(|each| each.photons == now)?;
+    let least = such.next()?;
+    let best = if least.error < CLEARLY_LESS * best.error { least } else { best };
     let is_like =
-        |each: &&Candidate| (each.area, each.bandwidth, each.gather_rays) == (best.area, bandwidth, best.gather_rays);
+        |each: &&Candidate| (each.area, each.bandwidth, each.gather_rays) == (area, bandwidth, best.gather_rays);
     // One step after the other, since each may take hardly longer than the one before.
     let next = |from: &Candidate| {
         // Radii of more paths are smaller even with the same factor.
@@ -55,16 +74,7 @@ fn best_with(candidates: &[Candidate], bandwidth: Bandwidth, now: u32) -> Option
             .min_by(|a, b| a.photons.cmp(&b.photons).then(a.error.total_cmp(&b.error)))
             .copied()
     };
-    std::iter::successors(Some(best), next).last()
-}
-
-/// The best of some candidates; discs only if they are clearly better.
-fn best_of(candidates: &[Candidate], is_meant: impl Fn(&Candidate) -> bool) -> Option<Candidate> {
-    let least = |area: Area| candidates.iter().find(|candidate| candidate.area == area && is_meant(candidate)).copied();
-    match (least(Area::Surface), least(Area::Disc)) {
-        (Some(surface), Some(disc)) if disc.error > CLEARLY_LESS * surface.error => Some(surface),
-        (surface, disc) => disc.or(surface),
-    }
+    std::iter::successors(Some(best), next).last().map(|best| (best, least.error))
 }
 
 #[cfg(test)]
@@ -153,6 +163,15 @@ mod tests {
         let more = own(4000, Area::Surface, 0.6);
         assert_eq!(decided(&[best, surface, disc, more]), more);
         assert_eq!(decided(&[surface, disc]), surface);
+        // Discs are compared with areas of surfaces of any number of paths.
+        let [few, more] = [own(1000, Area::Surface, 1.0), own(4000, Area::Surface, 0.8)];
+        assert_eq!(decided(&[few, more, own(1000, Area::Disc, 0.7)]), more);
+        assert_eq!(decided(&[few, more, own(1000, Area::Disc, 0.67)]), own(1000, Area::Disc, 0.67));
+        // 0.01 s for a pass: 130 in 1.3 s.
+        let alike = own(1000, Area::Surface, 1.04);
+        assert_eq!(decide(&[best, alike], 1000, 1.29), Some(best));
+        assert_eq!(decide(&[best, alike], 1000, 1.31), Some(alike));
+        assert_eq!(decide(&[best, own(1000, Area::Surface, 1.06)], 1000, 1.31), Some(best));
         // 0.01 s for a pass: 700 in 7 s.
         let worse = own(1000, Area::Surface, 2.0);
         assert_eq!(decide(&[best, worse], 1000, 6.99), Some(best));

@@ -9,14 +9,14 @@ use crate::backend::stages::{Aimed, Stages};
 use crate::error::Result;
 use crate::projection::ProjectionMap;
 use crate::requirements::Requirements;
-use crate::requirements::map_kind::PerMap;
 use crate::scene::SceneView;
 use crate::settings::{CausticPhotons, Settings};
 
 /// Whether paths of a scene are aimed, and where to; with what it depends on besides the scene.
 pub(super) struct Projection {
     caustic_photons: CausticPhotons,
-    maps: PerMap<bool>,
+    /// [`Requirements::aims_alone`].
+    alone: bool,
     /// `None` if none are aimed.
     map: Option<ProjectionMap>,
     /// Seconds that it took to find out.
@@ -29,14 +29,14 @@ impl Projection {
         let chosen = ProjectionMap::chosen(scene, settings, required);
         Self {
             caustic_photons: settings.caustic_photons,
-            maps: required.maps,
+            alone: required.aims_alone(),
             map: chosen.ok().map(|(map, _)| map),
             seconds: begun.elapsed().as_secs_f64(),
         }
     }
 
     fn is_for(&self, settings: &Settings, required: &Requirements) -> bool {
-        (self.caustic_photons, self.maps) == (settings.caustic_photons, required.maps)
+        (self.caustic_photons, self.alone) == (settings.caustic_photons, required.aims_alone())
     }
 }
 

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use crate::backend::memory::MemoryPlan;
 use crate::backend::observer::{Event, Observer, PassReport};
-use crate::backend::stages::{Pass, Stages, View};
+use crate::backend::stages::{Stages, View};
 use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
 use crate::film::Film;
@@ -95,6 +95,7 @@ mod end;
 mod estimate;
 mod fit;
 mod irradiance;
+mod look;
 mod own_radii;
 mod photon_format;
 mod photons;
@@ -317,29 +318,6 @@ impl<B: TransportBackend> Pipeline<B> {
             let capacity = if slot.reflected { capacity.min(u64::from(paths.max(aimed))) } else { capacity };
             slot.allocate(&mut self.on, capacity, self.required.photon_format)
         })
-    }
-
-    /// Traces camera paths, and computes direct light.
-    fn look(&mut self, index: u32) -> Result<u64> {
-        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
-        self.on.mark(Some(Stage::Eye));
-        self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
-        if let Some((_, Some(factors))) = &self.bandwidth {
-            self.on.scale_radii(&mut self.queries, factors)?;
-        }
-        if let (Some(caustics), Some(reflections)) = (&mut self.stages.gloss_caustics, &mut self.reflections) {
-            caustics.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, reflections)?;
-            if let Some((_, Some(factors))) = &self.bandwidth {
-                self.on.scale_radii(reflections, factors)?;
-            }
-        }
-        if let Some(direct) = &mut self.stages.direct {
-            self.on.mark(Some(Stage::Direct));
-            let rays = self.settings.shadow_rays;
-            direct.light(&mut self.on, &self.scene, pass, &self.queries, rays, &mut self.film)?;
-        }
-        self.on.mark(None);
-        Ok(self.on.fill(&self.queries)?.length)
     }
 
     /// The backend that the pipeline runs on.

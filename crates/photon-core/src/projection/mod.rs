@@ -103,11 +103,6 @@ struct Marking {
     blocks: u64,
 }
 
-/// Whether no other map than that of the aimed photons is filled.
-fn is_alone(required: &Requirements) -> bool {
-    required.maps.iter().all(|(kind, &filled)| kind.is_aimed() || !filled)
-}
-
 impl ProjectionMap {
     /// Aiming is worthwhile in addition to other paths if at most this share of the light could reach a
     /// specular surface, and most of that light a smooth one: more photons make derived radii smaller, and the error
@@ -147,7 +142,7 @@ impl ProjectionMap {
     ) -> Result<(Self, u32), NoProjection> {
         let (most, is_certain) = match settings.caustic_photons {
             CausticPhotons::Shared => return Err(NoProjection::Shared),
-            CausticPhotons::Auto if is_alone(required) => (f64::INFINITY, true),
+            CausticPhotons::Auto if required.aims_alone() => (f64::INFINITY, true),
             CausticPhotons::Auto if scene.materials_in_use().any(is_smooth) => (Self::WORTH, false),
             CausticPhotons::Auto => (Self::WORTH_ROUGH, false),
             CausticPhotons::Aimed(_) => (f64::INFINITY, true),
@@ -175,7 +170,7 @@ impl ProjectionMap {
     pub(crate) fn aimed_paths(&self, settings: &Settings, required: &Requirements) -> u32 {
         match settings.caustic_photons {
             CausticPhotons::Aimed(paths) => paths,
-            CausticPhotons::Auto if is_alone(required) => settings.photons,
+            CausticPhotons::Auto if required.aims_alone() => settings.photons,
             CausticPhotons::Auto | CausticPhotons::Shared => Self::paths(settings.photons, self.share),
         }
     }

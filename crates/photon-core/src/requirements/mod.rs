@@ -114,6 +114,11 @@ impl Requirements {
         settings.caustic_roughness.filter(|_| self.gloss_caustics_of_all_lights)
     }
 
+    /// Whether no other map than that of aimed photons is filled.
+    pub(crate) fn aims_alone(&self) -> bool {
+        self.maps.iter().all(|(kind, &filled)| kind.is_aimed() || !filled)
+    }
+
     /// Whether [`crate::TransportBackend::prepare`] makes the same of a scene for `other`.
     pub(crate) fn prepares_like(&self, other: &Self) -> bool {
         let read = |of: &Self| (of.features, of.media, of.shadow_rays, of.terminator_offset);

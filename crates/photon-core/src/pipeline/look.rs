@@ -1,0 +1,31 @@
+//! Camera paths and direct light of a pass.
+
+use super::Pipeline;
+use crate::backend::stages::Pass;
+use crate::backend::{Stage, TransportBackend};
+use crate::error::Result;
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// Traces camera paths, and computes direct light.
+    pub(super) fn look(&mut self, index: u32) -> Result<u64> {
+        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
+        self.on.mark(Some(Stage::Eye));
+        self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
+        if let Some((_, Some(factors))) = &self.bandwidth {
+            self.on.scale_radii(&mut self.queries, factors)?;
+        }
+        if let (Some(caustics), Some(reflections)) = (&mut self.stages.gloss_caustics, &mut self.reflections) {
+            caustics.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, reflections)?;
+            if let Some((_, Some(factors))) = &self.bandwidth {
+                self.on.scale_radii(reflections, factors)?;
+            }
+        }
+        if let Some(direct) = &mut self.stages.direct {
+            self.on.mark(Some(Stage::Direct));
+            let rays = self.settings.shadow_rays;
+            direct.light(&mut self.on, &self.scene, pass, &self.queries, rays, &mut self.film)?;
+        }
+        self.on.mark(None);
+        Ok(self.on.fill(&self.queries)?.length)
+    }
+}

@@ -26,8 +26,8 @@ const HARDLY_MORE: f64 = 1.05;
 const MANY_PASSES: f64 = 700.0;
 
 /// The best of the candidates, which are by increasing error, for this time; `now` is the present number of paths. `None` without
-/// a candidate that has this number. Areas and the kinds of radii are compared after more paths were taken for each, which may
-/// raise an error by [`HARDLY_MORE`].
+/// a candidate that has this number. Areas are compared by the least error with any number of paths, the kinds of radii after more
+/// paths were taken for each, which may raise an error by [`HARDLY_MORE`].
 pub(super) fn decide(candidates: &[Candidate], now: u32, seconds: f64) -> Option<Candidate> {
     let shared = best_with(candidates, Bandwidth::Shared, now);
     let per_pixel = best_with(candidates, Bandwidth::PerPixel, now);
@@ -46,12 +46,12 @@ pub(super) fn decide(candidates: &[Candidate], now: u32, seconds: f64) -> Option
     }
 }
 
-/// The best with this kind of radii; discs only if their error is clearly less than the least with areas of surfaces.
+/// The best with this kind of radii; discs only if their least error is clearly less than that of areas of surfaces.
 fn best_with(candidates: &[Candidate], bandwidth: Bandwidth, now: u32) -> Option<Candidate> {
     let best = |area| best_of(candidates, (bandwidth, area), now);
     match (best(Area::Surface), best(Area::Disc)) {
-        (Some((surface, least)), Some((disc, _))) => {
-            Some(if disc.error < CLEARLY_LESS * least { disc } else { surface })
+        (Some((surface, least)), Some((disc, least_of_discs))) => {
+            Some(if least_of_discs < CLEARLY_LESS * least { disc } else { surface })
         }
         (surface, disc) => surface.or(disc).map(|(best, _)| best),
     }
@@ -167,6 +167,8 @@ mod tests {
         let [few, more] = [own(1000, Area::Surface, 1.0), own(4000, Area::Surface, 0.8)];
         assert_eq!(decided(&[few, more, own(1000, Area::Disc, 0.7)]), more);
         assert_eq!(decided(&[few, more, own(1000, Area::Disc, 0.67)]), own(1000, Area::Disc, 0.67));
+        let other = own(1000, Area::Disc, 0.75);
+        assert_eq!(decided(&[few, more, other, own(2000, Area::Disc, 0.67)]), other);
         // 0.01 s for a pass: 130 in 1.3 s.
         let alike = own(1000, Area::Surface, 1.04);
         assert_eq!(decide(&[best, alike], 1000, 1.29), Some(best));

@@ -221,44 +221,51 @@ pub fn a_restart_is_a_fresh_start<T: TestBackend>() {
 }
 
 /// A pipeline that goes on with other settings gives the same bits as one created with them, and has the same memory: with
-/// other stages and photon maps, more paths, other aimed paths, and shadow rays, for which the scene is prepared again.
+/// other stages and photon maps, more paths, other aimed paths, and direct light by photons, for which the scene is prepared again.
 pub fn other_settings_are_a_fresh_start<T: TestBackend>() {
-    let [glass, ring] =
-        ["cornell-glass", "ring"].map(|name| photon_scene::builtin(name).expect("a built-in scene").build().unwrap());
-    let view = View { camera: glass.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+    let [glass, ring, lights] = ["cornell-glass", "ring", "many-lights"]
+        .map(|name| photon_scene::builtin(name).expect("a built-in scene").build().unwrap());
+    let view = |scene: &Scene| View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
     let draw = |pipeline: &mut Pipeline<T::On>| {
         render(pipeline, Budget::passes(2), &mut ()).unwrap();
         let (film, facts) = (pipeline.film().unwrap(), pipeline.facts());
         (film.pixels, film.errors, pipeline.radii(), (facts.photons, facts.aimed, facts.required, facts.memory))
     };
+    let seconds = |pipeline: &Pipeline<T::On>, stage| pipeline.facts().setup.get(stage).to_bits();
     let auto = Settings { photons: 3000, seed: 3, ..Settings::default() };
-    let others = [
-        Settings { photons: 7000, errors: true, ..auto.clone() },
-        settings(),
-        Settings { caustic_photons: CausticPhotons::Shared, area: Area::Surface, ..auto.clone() },
-        Settings { direct: Direct::Photons, ..auto.clone() },
-        Settings { memory: Some(100 << 20), photons: 500_000, ..auto.clone() },
-        auto.clone(),
+    // Whether the scene is kept, and whether it is searched for mirrors and glass as before.
+    let of_glass = [
+        (Settings { photons: 7000, errors: true, ..auto.clone() }, true, true),
+        (Settings { bandwidth: Bandwidth::PerPixel, errors: true, area: Area::Surface, ..auto.clone() }, true, true),
+        (settings(), true, false),
+        (Settings { caustic_photons: CausticPhotons::Aimed(500), ..settings() }, true, true),
+        (Settings { direct: Direct::Photons, ..auto.clone() }, false, false),
+        (Settings { memory: Some(100 << 20), ..auto.clone() }, false, true),
+        (Settings { direct: Direct::None, indirect: Indirect::None, ..auto.clone() }, false, false),
     ];
-    let mut pipeline = Pipeline::new(T::make(2), &glass.view(), view, auto).unwrap();
-    let built = pipeline.facts().setup.get(Stage::Bvh);
-    let mut last = draw(&mut pipeline);
-    for settings in others {
-        let mut fresh = Pipeline::new(T::make(2), &glass.view(), view, settings.clone()).unwrap();
-        let expected = draw(&mut fresh);
-        assert!(expected.0 != last.0, "the settings change nothing: {settings:?}");
-        let is_kept = fresh.facts().required.shadow_rays == pipeline.facts().required.shadow_rays;
-        let before = pipeline.facts().setup.get(Stage::Bvh);
-        pipeline = pipeline.with_settings(&glass.view(), settings).unwrap();
-        assert_eq!(pipeline.facts().setup.get(Stage::Bvh).to_bits() == before.to_bits(), is_kept);
-        assert!(pipeline.facts().setup.without_scene() > 0.0);
-        last = draw(&mut pipeline);
-        assert!(last.0 == expected.0 && last.1 == expected.1);
-        assert_eq!((&last.2, &last.3), (&expected.2, &expected.3));
+    let of_lights = [(Settings { direct: Direct::Photons, ..auto.clone() }, false, true), (auto.clone(), false, true)];
+    for (scene, cases) in [(&glass, of_glass.as_slice()), (&lights, of_lights.as_slice())] {
+        let mut pipeline = Pipeline::new(T::make(2), &scene.view(), view(scene), auto.clone()).unwrap();
+        let mut last = draw(&mut pipeline);
+        for (settings, keeps_scene, keeps_cells) in cases {
+            let mut fresh = Pipeline::new(T::make(2), &scene.view(), view(scene), settings.clone()).unwrap();
+            let expected = draw(&mut fresh);
+            assert!(expected.0 != last.0, "the settings change nothing: {settings:?}");
+            let before = [Stage::Bvh, Stage::Project].map(|stage| seconds(&pipeline, stage));
+            pipeline = pipeline.with_settings(&scene.view(), settings.clone()).unwrap();
+            let after = [Stage::Bvh, Stage::Project].map(|stage| seconds(&pipeline, stage));
+            assert_eq!([before[0] == after[0], before[1] == after[1]], [*keeps_scene, *keeps_cells], "{settings:?}");
+            last = draw(&mut pipeline);
+            assert!(last.0 == expected.0 && last.1 == expected.1, "{settings:?}");
+            assert_eq!((&last.2, &last.3), (&expected.2, &expected.3));
+        }
+        // The seconds for the scene remain those of the first time.
+        let before = [Stage::Prepare, Stage::Bvh, Stage::Project].map(|stage| seconds(&pipeline, stage));
+        pipeline.restart(&scene.view(), 4).unwrap();
+        assert_eq!([Stage::Prepare, Stage::Bvh, Stage::Project].map(|stage| seconds(&pipeline, stage)), before);
+        let other = pipeline.with_settings(&ring.view(), auto.clone()).map(drop);
+        assert!(matches!(other, Err(Error::InvalidInput { what: "scene", .. })));
     }
-    assert!(built > 0.0);
-    let other = pipeline.with_settings(&ring.view(), settings()).map(drop);
-    assert!(matches!(other, Err(Error::InvalidInput { what: "scene", .. })));
 }
 
 /// S31: a buffer that is too small reports the size it needs; one that may grow gives the same image as one that

@@ -82,6 +82,13 @@ pub fn a16_radii_are_at_least_half_a_pixel<T: TestBackend>() {
         let half = 0.5 * scene.view().units.length(2.0 * HALF / f64::from(size));
         assert!((radii[0] / half - 1.0).abs() < 1e-5, "{size}: {radii:?} {half}");
     }
+    // Joined pixels have a film of their own, which is not reported.
+    let film = |estimator| {
+        let facts = renderer::<T>(&beam(true), &Settings { estimator, ..settings() }, 200).facts();
+        facts.memory.iter().find(|(label, _)| label == "film").map(|(_, bytes)| *bytes)
+    };
+    let of = |radius| film(Estimator::Radius { radius });
+    assert!(of(None).is_some() && of(None) == of(Some(1.0)), "{:?} {:?}", of(None), of(Some(1.0)));
     let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
     let settings = Settings { photons: 20_000, ..Settings::default() };
     let radii = |size| renderer::<T>(&scene, &settings, size).radii();

@@ -42,6 +42,20 @@ impl CpuFilm {
     }
 }
 
+impl CpuFilm {
+    /// Reports its memory as that of the film.
+    fn note(&self, on: &mut Cpu) {
+        let bytes = size_of_val(self.film.pixels.as_slice()) + size_of_val(self.pending.as_slice());
+        on.note_memory("film", bytes as u64);
+        if let Some(errors) = &self.film.errors {
+            on.note_memory(
+                "film: errors",
+                (size_of_val(errors.as_slice()) + size_of_val(self.pending_errors.as_slice())) as u64,
+            );
+        }
+    }
+}
+
 /// Adds `weight × value` to a layer of `pixel`.
 #[inline]
 pub(crate) fn deposit(pixel: &mut FilmPixel, layer: Layer, weight: [f32; 3], value: [f64; 3]) {
@@ -56,9 +70,9 @@ impl FilmBackend for Cpu {
     fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<CpuFilm> {
         let film = Film::new(width, height, scene.units)?;
         let pending = Film::new(width, height, scene.units)?.pixels;
-        let bytes = (film.pixels.len() + pending.len()) * size_of::<FilmPixel>();
-        self.note_memory("film", bytes as u64);
-        Ok(CpuFilm { film, pending, pending_errors: Vec::new() })
+        let film = CpuFilm { film, pending, pending_errors: Vec::new() };
+        film.note(self);
+        Ok(film)
     }
 
     fn accumulate(
@@ -95,7 +109,7 @@ impl FilmBackend for Cpu {
         };
         film.film.errors = Some(zeros()?);
         film.pending_errors = zeros()?;
-        self.note_memory("film: errors", 2 * bytes);
+        film.note(self);
         Ok(())
     }
 
@@ -146,6 +160,7 @@ impl FilmBackend for Cpu {
     }
 
     fn abandon_pass(&mut self, film: &mut CpuFilm) -> Result<()> {
+        film.note(self);
         film.pending.fill(FilmPixel::default());
         film.pending_errors.fill(ErrorPixel::default());
         Ok(())

@@ -185,6 +185,7 @@ impl VulkanFilm {
         }
     }
 
+    /// Reports its memory as that of the film.
     fn note(&self, on: &mut Vulkan) {
         let planes = self.layers.iter().flatten().map(|plane| plane.pass.bytes() + plane.sum.bytes());
         let scratch: u64 = [&self.values, &self.shown, &self.radii].into_iter().flatten().map(Memory::bytes).sum();
@@ -270,6 +271,7 @@ pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
 
 /// Discards the current pass.
 pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
+    film.note(on);
     for plane in film.layers.iter().flatten() {
         on.fill_words(&plane.pass, 0, plane.pass.bytes(), 0)?;
     }

@@ -68,7 +68,8 @@ pub trait FilmBackend: Backend {
     /// [`crate::Error::DeviceLost`].
     fn end_pass(&mut self, film: &mut Self::Film) -> Result<()>;
 
-    /// Discards what the current pass has added since the last [`FilmBackend::end_pass`].
+    /// Discards what the current pass has added since the last [`FilmBackend::end_pass`]. Where several films exist, the memory
+    /// that is reported for the film is afterwards that of this one.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`].

@@ -273,11 +273,15 @@ impl StageTimings {
         Stage::ALL.into_iter().filter(|&stage| stage != Stage::Compile).map(|stage| self.get(stage)).sum()
     }
 
-    /// [`Self::total`] without the stages that depend on the scene alone, which [`crate::Pipeline::with_settings`] does not
-    /// repeat.
+    /// The stages whose work depends on the scene alone: [`crate::Pipeline::with_settings`] and [`crate::Pipeline::restart`] do
+    /// not repeat it.
+    pub(crate) const OF_SCENE: [Stage; 3] = [Stage::Prepare, Stage::Bvh, Stage::Project];
+
+    /// Seconds spent in the other stages, without [`Stage::Compile`].
     #[must_use]
     pub fn without_scene(&self) -> f64 {
-        self.total() - [Stage::Prepare, Stage::Bvh, Stage::Project].map(|stage| self.get(stage)).iter().sum::<f64>()
+        let is_other = |stage: &Stage| *stage != Stage::Compile && !Self::OF_SCENE.contains(stage);
+        Stage::ALL.into_iter().filter(is_other).map(|stage| self.get(stage)).sum()
     }
 
     /// Adds seconds to `stage`.

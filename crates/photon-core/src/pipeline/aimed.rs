@@ -1,5 +1,6 @@
 //! Light paths aimed at mirrors and glass: whether there are any, and how many.
 
+use std::mem::discriminant;
 use std::time::Instant;
 
 use super::Pipeline;
@@ -12,8 +13,8 @@ use crate::requirements::Requirements;
 use crate::scene::SceneView;
 use crate::settings::{CausticPhotons, Settings};
 
-/// Whether paths of a scene are aimed, and where to; with what it depends on besides the scene.
-pub(super) struct Projection {
+/// Whether paths of a scene are aimed, and where to; and the settings on which that depends.
+pub(super) struct Aiming {
     caustic_photons: CausticPhotons,
     /// [`Requirements::aims_alone`].
     alone: bool,
@@ -23,7 +24,7 @@ pub(super) struct Projection {
     pub(super) seconds: f64,
 }
 
-impl Projection {
+impl Aiming {
     fn new(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> Self {
         let begun = Instant::now();
         let chosen = ProjectionMap::chosen(scene, settings, required);
@@ -36,7 +37,9 @@ impl Projection {
     }
 
     fn is_for(&self, settings: &Settings, required: &Requirements) -> bool {
-        (self.caustic_photons, self.alone) == (settings.caustic_photons, required.aims_alone())
+        // The number of aimed paths does not matter.
+        let is_alike = discriminant(&self.caustic_photons) == discriminant(&settings.caustic_photons);
+        is_alike && self.alone == required.aims_alone()
     }
 }
 
@@ -47,20 +50,20 @@ pub(super) fn stages<B: TransportBackend>(
     scene: &SceneView<'_>,
     settings: &Settings,
     required: &Requirements,
-    known: Option<Projection>,
-) -> Result<(Stages<B>, Option<Projection>)> {
+    known: Option<Aiming>,
+) -> Result<(Stages<B>, Option<Aiming>)> {
     let mut stages = on.stages(required, settings)?;
     if !required.aimed {
-        return Ok((stages, None));
+        return Ok((stages, known));
     }
     let known = known.filter(|known| known.is_for(settings, required));
-    let projection = known.unwrap_or_else(|| Projection::new(scene, settings, required));
-    if let Some(map) = &projection.map {
+    let aiming = known.unwrap_or_else(|| Aiming::new(scene, settings, required));
+    if let Some(map) = &aiming.map {
         let aimed = on.aimed(required, settings, map)?;
         let paths = map.aimed_paths(settings, required);
         stages.aimed = aimed.map(|(emitter, tracer)| Aimed { emitter, tracer, paths });
     }
-    Ok((stages, Some(projection)))
+    Ok((stages, Some(aiming)))
 }
 
 /// Memory of a backend with all its tracers: those for aimed paths, and for caustics in reflections, have memory of their

@@ -114,8 +114,8 @@ impl Choice {
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Compares the settings that are `open`, and takes the best for the `goal`: afterwards the pipeline renders as if
-    /// it had been made with them. The number of paths is not changed: if [`Choice::photons`] differs, a new pipeline has to be
-    /// made, whose preparation takes time from such candidates. `None`, and nothing changes, if there is nothing to choose, or
+    /// it had been made with them. The number of paths is not changed: if [`Choice::photons`] differs,
+    /// [`Pipeline::with_settings`] takes it, whose preparation takes time from such candidates. `None`, and nothing changes, if there is nothing to choose, or
     /// after the first pass. With final gathering only the number of its rays is chosen, and the bias of what they find in maps
     /// is not counted; without it, maps whose estimates are shown are necessary. Whether to use final gathering is not chosen:
     /// that needs other stages.

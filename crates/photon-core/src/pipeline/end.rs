@@ -1,7 +1,7 @@
 //! Recovery after a failed pass, restart, and the end of a pipeline.
 
 use super::{Pipeline, State};
-use crate::backend::TransportBackend;
+use crate::backend::{StageTimings, TransportBackend};
 use crate::error::{Error, Result};
 use crate::film::film_tally::FilmTally;
 use crate::film::pass_set::PassSet;
@@ -74,7 +74,8 @@ impl<B: TransportBackend> Pipeline<B> {
         if self.estimates.is_some() && radii::need_pilot(&self.settings) {
             self.pilot(scene)?;
         }
-        self.setup = self.on.timings()?;
+        let before = std::mem::replace(&mut self.setup, self.on.timings()?);
+        StageTimings::OF_SCENE.into_iter().for_each(|stage| self.setup.add(stage, before.get(stage)));
         self.state = State::Ready;
         Ok(())
     }

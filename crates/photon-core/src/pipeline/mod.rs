@@ -83,7 +83,7 @@ pub struct Pipeline<B: TransportBackend> {
     /// The film as it was read for a forecast after the last pass.
     read: Option<Film>,
     /// Where paths are aimed to, for other settings of the same scene; `None` if the scene or the stages of a caller aim none.
-    projection: Option<Projection>,
+    aiming: Option<Aiming>,
     /// If each pixel has its own radius; the factors once they are known.
     bandwidth: Option<(bandwidth::Radii, Option<B::Buffer<u32>>)>,
 }
@@ -104,7 +104,7 @@ mod read;
 mod slot;
 mod with_settings;
 
-use aimed::Projection;
+use aimed::Aiming;
 use slot::{MapSlot, State};
 
 impl<B: TransportBackend> Pipeline<B> {
@@ -179,15 +179,20 @@ impl<B: TransportBackend> Pipeline<B> {
         required: Requirements,
         batch: u32,
     ) -> Result<Self> {
-        let (stages, projection) = aimed::stages(&mut on, scene, &settings, &required, None)?;
+        let (stages, aiming) = aimed::stages(&mut on, scene, &settings, &required, None)?;
         let mut pipeline = Self::assemble(on, scene, (view.within(scene), None), settings, (required, stages), batch)?;
-        pipeline.setup.add(Stage::Project, projection.as_ref().map_or(0.0, |projection| projection.seconds));
-        pipeline.projection = projection;
+        pipeline.add_aiming(aiming);
         Ok(pipeline)
     }
 
-    /// `view` is [`View::within`] the scene, which may have been prepared.
+    /// Adds whether paths are aimed, and its seconds.
+    fn add_aiming(&mut self, aiming: Option<Aiming>) {
+        let seconds = aiming.as_ref().filter(|_| self.required.aimed).map_or(0.0, |aiming| aiming.seconds);
+        self.setup.add(Stage::Project, seconds);
+        self.aiming = aiming;
+    }
 
+    /// `view` is already [`View::within`] the scene; `prepared` is the scene, if it is kept from other settings.
     fn assemble(
         mut on: B,
         scene: &SceneView<'_>,
@@ -286,7 +291,7 @@ impl<B: TransportBackend> Pipeline<B> {
             error_moments,
             points: None,
             read: None,
-            projection: None,
+            aiming: None,
             bandwidth: own_radii,
         };
         match pipeline.cap {

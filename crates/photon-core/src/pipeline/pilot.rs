@@ -21,7 +21,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let all = self.settings.photons;
         let wanted_paths = per_map(all, self.aimed_paths(all));
         let traced_paths = per_map(sent.paths, sent.aimed);
-        let mut seen = None;
+        let footprint = Footprint::new(&self.view);
+        let mut visible = None;
         for index in 0..self.maps.len() {
             let slot = &mut self.maps[index];
             let (kind, reflected) = (slot.kind, slot.reflected);
@@ -39,9 +40,9 @@ impl<B: TransportBackend> Pipeline<B> {
             let bounded = matches!(self.settings.estimator, Estimator::Radius { .. })
                 && is_shown(&self.settings, kind)
                 && !reflected
-                && f64::from(radius) < Footprint::new(&self.view).most();
+                && f64::from(radius) < footprint.most();
             if bounded && typical.is_some() {
-                radius = radius.max(self.least_radius(scene, &built, &mut seen)?);
+                radius = radius.max(self.least_radius(scene, &footprint, &built, &mut visible)?);
             }
             let slot: &mut MapSlot<B> = &mut self.maps[index];
             slot.radius = radii::scaled(radius, self.settings.radius_factor as f32);
@@ -51,24 +52,24 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    /// The smallest useful radius of a map: [`Footprint::bound`]. `seen` are the visible points of the pilot pass, once
+    /// The smallest useful radius of a map: [`Footprint::bound`]. `visible` are the visible points of the pilot pass, once
     /// they are known.
     fn least_radius(
         &mut self,
         scene: &SceneView<'_>,
+        footprint: &Footprint,
         map: &B::PhotonMap,
-        seen: &mut Option<Vec<Query>>,
+        visible: &mut Option<Vec<Query>>,
     ) -> Result<f32> {
         let pass = Pass { seed: self.settings.seed, index: PILOT_PASS, random: self.settings.random };
-        let footprint = Footprint::new(&self.view);
-        if seen.is_none() {
+        if visible.is_none() {
             self.on.mark(Some(Stage::Eye));
             // What the camera sees of lights belongs to no pass.
-            let mut film = self.on.film(scene, footprint.seen.width, footprint.seen.height)?;
+            let mut film = self.on.film(scene, footprint.joined.width, footprint.joined.height)?;
             self.stages.eye.trace_eye(
                 &mut self.on,
                 &self.scene,
-                &footprint.seen,
+                &footprint.joined,
                 pass,
                 &mut film,
                 &mut self.queries,
@@ -76,10 +77,13 @@ impl<B: TransportBackend> Pipeline<B> {
             let mut queries = Vec::new();
             self.on.download(&self.queries, &mut queries)?;
             self.on.abandon_pass(&mut film)?;
+            drop(film);
+            // Memory is again reported for the film of the picture.
+            self.on.abandon_pass(&mut self.film)?;
             footprint.search(&mut queries);
-            *seen = Some(queries);
+            *visible = Some(queries);
         }
-        let (Some(queries), Some(estimates)) = (seen, &mut self.estimates) else { return Ok(0.0) };
+        let (Some(queries), Some(estimates)) = (visible, &mut self.estimates) else { return Ok(0.0) };
         if queries.is_empty() {
             return Ok(0.0);
         }

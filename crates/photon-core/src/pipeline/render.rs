@@ -113,7 +113,8 @@ pub struct Facts {
     /// The requirements derived from scene and settings.
     pub required: Requirements,
     /// Seconds spent before the first pass: for uploading the scene to the device, and for the pilot pass
-    /// from which radii are derived.
+    /// from which radii are derived. After a restart, or with other settings for the same scene, the seconds for the scene are those
+    /// of the first time.
     pub setup: StageTimings,
     /// Paths per pass: fewer than the settings ask for if [`crate::Settings::memory`] allows no more.
     pub photons: u32,

@@ -165,8 +165,7 @@ impl ProjectionMap {
         }
     }
 
-    /// Number of aimed paths per pass. Of the settings, nothing else that [`Self::chosen`] returns depends on the number of the
-    /// other paths.
+    /// Number of aimed paths per pass. Nothing else that [`Self::chosen`] returns depends on [`Settings::photons`].
     pub(crate) fn aimed_paths(&self, settings: &Settings, required: &Requirements) -> u32 {
         match settings.caustic_photons {
             CausticPhotons::Aimed(paths) => paths,

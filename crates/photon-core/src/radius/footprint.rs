@@ -18,7 +18,7 @@ const NARROWER: f64 = 0.05;
 
 /// Most pixels for which light is searched. Those of larger pictures are joined, so that spots of light are not missed between
 /// them.
-const SEEN: f64 = 16_384.0;
+const MOST_PIXELS: f64 = 16_384.0;
 
 /// Largest distance of two points of the scene, normalised space: the diagonal of the unit cube.
 const DIAGONAL: f64 = 1.732_050_807_568_877_2;
@@ -26,13 +26,13 @@ const DIAGONAL: f64 = 1.732_050_807_568_877_2;
 /// Widths of the pixels of a view.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Footprint {
-    /// The view with at most [`SEEN`] pixels, which have no margins.
-    pub(crate) seen: View,
+    /// The view with at most [`MOST_PIXELS`] pixels, which have no margins.
+    pub(crate) joined: View,
     /// Half the width and height of the picture, at distance 1 or everywhere.
     half: [f64; 2],
-    /// Width of a pixel of `seen` at distance 1, or everywhere if rays are parallel: of its two sides the shorter one.
+    /// Width of a pixel of `joined` at distance 1, or everywhere if rays are parallel: of its two sides the shorter one.
     unit: f64,
-    /// Width of a pixel of the picture over that.
+    /// Width of a pixel of the picture, in widths of a pixel of `joined`.
     part: f64,
 }
 
@@ -40,20 +40,23 @@ impl Footprint {
     pub(crate) fn new(view: &View) -> Self {
         let length = |[x, y, z]: [f32; 3]| libm::hypot(libm::hypot(f64::from(x), f64::from(y)), f64::from(z));
         let half = [length(view.camera.right), length(view.camera.up)];
-        let reduction = (SEEN / (f64::from(view.width) * f64::from(view.height))).sqrt().min(1.0);
-        let reduced = |all: u32| ((f64::from(all) * reduction) as u32).max(1);
-        let camera = Camera { pixel_margin: [0.0; 2], ..view.camera };
-        let seen = View { camera, width: reduced(view.width), height: reduced(view.height) };
+        let reduction = (MOST_PIXELS / (f64::from(view.width) * f64::from(view.height))).sqrt().min(1.0);
+        let reduced = |all: u32, most: f64| ((f64::from(all) * reduction).min(most) as u32).max(1);
+        // The shorter side has at least one pixel, and the longer one as many as are left.
+        let short = reduced(view.width.min(view.height), MOST_PIXELS);
+        let long = reduced(view.width.max(view.height), MOST_PIXELS / f64::from(short));
+        let (width, height) = if view.width < view.height { (short, long) } else { (long, short) };
+        let joined = View { camera: Camera { pixel_margin: [0.0; 2], ..view.camera }, width, height };
         let unit = |view: &View| {
             let [x, y] = view.camera.pixel_margin.map(|margin| 1.0 - 2.0 * f64::from(margin));
             (2.0 * half[0] / f64::from(view.width) * x).min(2.0 * half[1] / f64::from(view.height) * y)
         };
-        Self { seen, half, unit: unit(&seen), part: unit(view) / unit(&seen) }
+        Self { joined, half, unit: unit(&joined), part: unit(view) / unit(&joined) }
     }
 
     /// An upper bound of the smallest radius anywhere in the scene: larger radii need no camera rays to be known useful.
     pub(crate) fn most(&self) -> f64 {
-        let camera = &self.seen.camera;
+        let camera = &self.joined.camera;
         let distance = match camera.kind {
             Camera::ORTHOGRAPHIC => 1.0,
             _ => {
@@ -64,20 +67,20 @@ impl Footprint {
         LEAST * self.part * self.unit * distance
     }
 
-    /// Width of the query's pixel of `seen` at the query, perpendicular to the camera ray and in the direction in which it is
+    /// Width of the query's pixel of `joined` at the query, perpendicular to the camera ray and in the direction in which it is
     /// narrowest, normalised space. A path by way of mirrors or glass is at least as long as the straight line that is
     /// used here. What they magnify is seen by narrower pixels: it is left out.
     fn width(&self, query: &Query) -> f64 {
-        let camera = &self.seen.camera;
+        let camera = &self.joined.camera;
         if camera.kind == Camera::ORTHOGRAPHIC {
             return self.unit;
         }
         let towards = |axis: usize| f64::from(query.position[axis]) - f64::from(camera.origin[axis]);
         let distance = (0..3).map(|axis| towards(axis) * towards(axis)).sum::<f64>().sqrt();
-        let (column, row) = (query.pixel % self.seen.width, query.pixel / self.seen.width);
+        let (column, row) = (query.pixel % self.joined.width, query.pixel / self.joined.width);
         let offset = |at: u32, all: u32, half: f64| half * ((2.0 * f64::from(at) + 1.0) / f64::from(all) - 1.0);
-        let x = offset(column, self.seen.width, self.half[0]);
-        let y = offset(row, self.seen.height, self.half[1]);
+        let x = offset(column, self.joined.width, self.half[0]);
+        let y = offset(row, self.joined.height, self.half[1]);
         // Across the ray a pixel is narrower by the cosine of its angle to the axis, for each of two reasons: its side is
         // farther away, and seen obliquely.
         self.unit * distance / (1.0 + x * x + y * y)
@@ -166,7 +169,7 @@ mod tests {
         let small = view(Camera::PERSPECTIVE);
         let large = View { width: 800, height: 400, ..small };
         let footprint = Footprint::new(&large);
-        assert_eq!((footprint.seen.width, footprint.seen.height), (181, 90));
+        assert_eq!((footprint.joined.width, footprint.joined.height), (181, 90));
         let at = [0.0, 0.0, -0.5];
         let joined = [query(at, 45 * 181 + 90)];
         let estimates = [Estimate { flux: [1.0; 3], radius_squared: 1.0, ..Estimate::default() }];
@@ -179,10 +182,15 @@ mod tests {
         let mut searched = joined;
         footprint.search(&mut searched);
         assert!((f64::from(searched[0].radius) / (SEARCH * 2.0 * 0.4 / 181.0) - 1.0).abs() < 1e-3);
+        // A long picture of one row.
+        let row = Footprint::new(&View { width: 100_000, height: 1, ..small });
+        assert_eq!((row.joined.width, row.joined.height), (16_384, 1));
+        let column = Footprint::new(&View { width: 1, height: 100_000, ..small });
+        assert_eq!((column.joined.width, column.joined.height), (1, 16_384));
         // Margins make the pixels of the picture narrower, not those that are searched.
         let camera = Camera { pixel_margin: [0.25, 0.0], ..small.camera };
         let narrow = Footprint::new(&View { camera, ..large });
-        assert_eq!(narrow.seen, footprint.seen);
+        assert_eq!(narrow.joined, footprint.joined);
         assert!((narrow.part / footprint.part - 0.5).abs() < 1e-9);
     }
 

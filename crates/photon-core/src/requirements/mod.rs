@@ -334,3 +334,29 @@ fn specular_is_lit(scene: &SceneView<'_>) -> bool {
         _ => true,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_are_prepared_for_features_media_and_shadow_rays() {
+        let all = Requirements::everything(&Settings::default());
+        let others = [
+            Requirements { features: Features::NONE, ..all },
+            Requirements { media: MediaFeatures::NONE, ..all },
+            Requirements { shadow_rays: !all.shadow_rays, ..all },
+            Requirements { terminator_offset: !all.terminator_offset, ..all },
+        ];
+        assert!(others.iter().all(|other| !all.prepares_like(other)));
+        let same = Requirements {
+            maps: PerMap::from_fn(|_| false),
+            aimed: !all.aimed,
+            gloss_caustics: !all.gloss_caustics,
+            final_gather: !all.final_gather,
+            photon_format: PhotonFormat::Mono,
+            ..all
+        };
+        assert!(all.prepares_like(&same));
+    }
+}

@@ -23,7 +23,7 @@ const COST_OF_RAYS: f64 = 1.5;
 /// fewer passes the noise of gather rays outweighs what they gain.
 const SHORT: f64 = 0.45;
 const MAX_SHORT_COST: f64 = 0.27;
-const MANY_PASSES: f64 = 50.0;
+const PASSES_FOR_SHORT: f64 = 50.0;
 
 /// Estimates from maps have to make up this part of the forecast error: gather rays, or more paths, do not change the rest.
 const MIN_MAP_SHARE: f64 = 0.5;
@@ -53,15 +53,20 @@ pub(super) fn is_worth_trying(
         && args.estimate.bandwidth != Some(Bandwidth::PerPixel)
         && !budget.errors
         && budget.target_error.is_none();
-    // Its kernels are not compiled yet: about as long as those of the present pipeline.
-    let cost = 2.0 * setup.without_scene() + setup.get(Stage::Compile) + COST_OF_RAYS * trials;
+    let cost = cost(setup, trials);
     let Some(chosen) = choice.chosen() else { return false };
     let is_affordable = is_affordable(cost, choice.seconds, choice.seconds / chosen.seconds);
     is_open && is_possible && is_affordable && is_by_maps(chosen.error, chosen.direct_error)
 }
 
+/// Seconds until it is known which is better. Kernels of final gathering are not compiled yet: they take about as long as those of
+/// the present pipeline.
+fn cost(setup: &StageTimings, trials: f64) -> f64 {
+    2.0 * setup.without_scene() + setup.get(Stage::Compile) + COST_OF_RAYS * trials
+}
+
 fn is_affordable(cost: f64, seconds: f64, passes: f64) -> bool {
-    let short = if passes >= MANY_PASSES { SHORT.min(MAX_SHORT_COST * seconds) } else { 0.0 };
+    let short = if passes >= PASSES_FOR_SHORT { SHORT.min(MAX_SHORT_COST * seconds) } else { 0.0 };
     seconds >= MIN_SECONDS && cost <= (MAX_COST * seconds).max(short)
 }
 
@@ -70,7 +75,7 @@ pub(super) fn is_by_maps(error: f64, direct_error: f64) -> bool {
     error - direct_error > MIN_MAP_SHARE * error
 }
 
-/// Tries final gathering, and takes it or what was chosen with maps. The renderer is made anew.
+/// Tries final gathering, and takes it or what was chosen with maps. The renderer gets other settings.
 ///
 /// # Errors
 /// Those of rendering.
@@ -154,6 +159,17 @@ mod tests {
             assert_eq!(compared.chosen().unwrap().gather_rays.is_some(), indirect == Indirect::Gather);
             renderer.pass(0, &mut ()).unwrap();
         }
+    }
+
+    /// The scene is kept.
+    #[test]
+    fn settings_change_twice_and_kernels_are_compiled() {
+        let mut setup = StageTimings::default();
+        let stages = [(Stage::Bvh, 8.0), (Stage::Prepare, 4.0), (Stage::Project, 2.0), (Stage::Compile, 1.0)];
+        for (stage, seconds) in stages.into_iter().chain([(Stage::Trace, 0.25), (Stage::Estimate, 0.125)]) {
+            setup.add(stage, seconds);
+        }
+        assert!((cost(&setup, 0.0) - 1.75).abs() < 1e-12 && (cost(&setup, 2.0) - 4.75).abs() < 1e-12);
     }
 
     #[test]

@@ -148,11 +148,12 @@ fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Optio
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
     let may_help = gathering::is_by_maps(best.error, best.direct_error);
     let paths = affordable(photons, parts, seconds).min(2.0 * f64::from(pixels)) as u32;
-    (choice.bandwidth == Bandwidth::PerPixel && may_help && is_clearly_more(paths, choice.photons)).then_some(paths)
+    (choice.bandwidth == Bandwidth::PerPixel && may_help && is_clearly_more(paths, photons.max(choice.photons)))
+        .then_some(paths)
 }
 
-fn is_clearly_more(paths: u32, chosen: u32) -> bool {
-    f64::from(paths) >= 1.5 * f64::from(chosen)
+fn is_clearly_more(paths: u32, others: u32) -> bool {
+    f64::from(paths) >= 1.5 * f64::from(others)
 }
 
 /// The paths with which [`MANY_PASSES`] fit if those of now take the first of these seconds of a pass, and in proportion; what
@@ -208,6 +209,9 @@ mod tests {
         // As many were chosen already.
         assert_eq!(increased(400_000, 250_000, 10.0), None);
         assert_eq!(increased(200_000, 250_000, 10.0), Some(500_000));
+        // Fewer were chosen: neither those of now nor somewhat more are taken instead.
+        assert_eq!(increased(25_000, 70_000, 10.0), None);
+        assert_eq!(increased(25_000, 250_000, 10.0), Some(500_000));
     }
 
     #[test]

@@ -100,7 +100,7 @@ impl Comparison {
         for &Compared { gather_rays, area, ref model } in &self.compared {
             for &more in &self.multiples {
                 let photons = (more * f64::from(self.photons)).min(f64::from(u32::MAX)) as u32;
-                // For another number a new pipeline is prepared; its kernels are compiled already.
+                // Another number takes another pilot and other buffers; scene and kernels are kept.
                 let seconds = if more == 1.0 { seconds } else { (seconds - self.setup).max(0.0) };
                 let candidate = |bandwidth, radius_factor, [seconds, error, direct_error]: [f64; 3]| Candidate {
                     photons,
@@ -242,7 +242,10 @@ impl<B: TransportBackend> Pipeline<B> {
         let both = self.tried(0, rays, settings).and_then(|first| Ok([first, self.tried(1, rays, settings)?]));
         std::mem::swap(&mut self.film, &mut film);
         self.view = whole;
+        drop(film);
         let [first, second] = both?;
+        // Memory is again reported for the film of the picture.
+        self.on.abandon_pass(&mut self.film)?;
         let pixels = |view: View| f64::from(view.width) * f64::from(view.height);
         let more = pixels(whole) / pixels(small);
         // The lesser of two times: other programs only add to them. Until the whole picture is timed, the time for photons is

@@ -3,16 +3,16 @@
 use super::Candidate;
 use crate::settings::{Area, Bandwidth};
 
-/// Discs or another number of paths are chosen if the error is less than this part of that with areas of surfaces or with the
-/// present number: times are not exact, and what discs lack at edges is more visible than noise.
+/// Discs are chosen if their least error, and another number of paths if its error, is less than this part of that with areas of
+/// surfaces or with the present number: times are not exact, and what discs lack at edges is more visible than noise.
 const CLEARLY_LESS: f64 = 0.85;
 
 /// Radii per pixel are chosen if the error is less than this part of that with shared radii; [`CLEARLY_LESS`] if that means discs
 /// in place of areas of surfaces.
 const LESS: f64 = 0.95;
 
-/// The same if [`SEVERAL_PASSES`] are expected: with shared radii the bias, of which trials show little, then decides, and large
-/// radii are easily expected to be too good.
+/// In place of [`LESS`] if more than [`SEVERAL_PASSES`] are expected: with shared radii the bias then decides, of which trials show
+/// little, so that large radii may seem better than they are.
 const NOT_MORE: f64 = 1.05;
 const SEVERAL_PASSES: f64 = 130.0;
 
@@ -33,32 +33,43 @@ pub(super) fn decide(candidates: &[Candidate], now: u32, seconds: f64) -> Option
     let per_pixel = best_with(candidates, Bandwidth::PerPixel, now);
     match (shared, per_pixel) {
         (Some(shared), Some(per_pixel)) => {
-            let loses_edges = (per_pixel.area, shared.area) == (Area::Disc, Area::Surface);
-            // Another number of paths may have less error with shared radii too, though not clearly.
-            let like = |each: &&Candidate| each.bandwidth == Bandwidth::Shared && each.area == shared.area;
-            let least = candidates.iter().find(like).map_or(shared.error, |best| best.error);
-            let passes = seconds / per_pixel.seconds;
+            let loses_edges = (per_pixel.best.area, shared.best.area) == (Area::Disc, Area::Surface);
+            let passes = seconds / per_pixel.best.seconds;
             let less = if passes > SEVERAL_PASSES { NOT_MORE } else { LESS };
-            let is_better = per_pixel.error < if loses_edges { CLEARLY_LESS } else { less } * least;
-            Some(if is_better || passes > MANY_PASSES { per_pixel } else { shared })
+            // Another number of paths may have less error with shared radii too, though not clearly.
+            let is_better = per_pixel.best.error < if loses_edges { CLEARLY_LESS } else { less } * shared.least.error;
+            Some(if is_better || passes > MANY_PASSES { per_pixel.best } else { shared.best })
         }
-        (shared, per_pixel) => per_pixel.or(shared),
+        (shared, per_pixel) => per_pixel.or(shared).map(|found| found.best),
     }
+}
+
+/// Of candidates with the same kinds of radii and areas: the one with the best number of paths, and the one with the least error.
+#[derive(Clone, Copy)]
+struct Found {
+    best: Candidate,
+    least: Candidate,
 }
 
 /// The best with this kind of radii; discs only if their least error is clearly less than that of areas of surfaces.
-fn best_with(candidates: &[Candidate], bandwidth: Bandwidth, now: u32) -> Option<Candidate> {
-    let best = |area| best_of(candidates, (bandwidth, area), now);
-    match (best(Area::Surface), best(Area::Disc)) {
-        (Some((surface, least)), Some((disc, least_of_discs))) => {
-            Some(if least_of_discs < CLEARLY_LESS * least { disc } else { surface })
+fn best_with(candidates: &[Candidate], bandwidth: Bandwidth, now: u32) -> Option<Found> {
+    let surface = best_of(candidates, (bandwidth, Area::Surface), now);
+    let disc = best_of(candidates, (bandwidth, Area::Disc), now);
+    match (surface, disc) {
+        (Some(surface), Some(disc)) => {
+            let is_clearly_less = |disc: &Candidate| disc.error < CLEARLY_LESS * surface.least.error;
+            Some(match (is_clearly_less(&disc.best), is_clearly_less(&disc.least)) {
+                (true, _) => disc,
+                // With the best number of paths the difference is not as clear.
+                (false, true) => Found { best: disc.least, ..disc },
+                (false, false) => surface,
+            })
         }
-        (surface, disc) => surface.or(disc).map(|(best, _)| best),
+        (surface, disc) => surface.or(disc),
     }
 }
 
-/// The best with these radii and areas, and the least error of such candidates.
-fn best_of(candidates: &[Candidate], (bandwidth, area): (Bandwidth, Area), now: u32) -> Option<(Candidate, f64)> {
+fn best_of(candidates: &[Candidate], (bandwidth, area): (Bandwidth, Area), now: u32) -> Option<Found> {
     let mut such = candidates.iter().filter(|each| (each.bandwidth, each.area) == (bandwidth, area)).copied();
     let best = such.clone().find(|each| each.photons == now)?;
     let least = such.next()?;
@@ -74,7 +85,7 @@ fn best_of(candidates: &[Candidate], (bandwidth, area): (Bandwidth, Area), now: 
             .min_by(|a, b| a.photons.cmp(&b.photons).then(a.error.total_cmp(&b.error)))
             .copied()
     };
-    std::iter::successors(Some(best), next).last().map(|best| (best, least.error))
+    std::iter::successors(Some(best), next).last().map(|best| Found { best, least })
 }
 
 #[cfg(test)]
@@ -167,8 +178,9 @@ mod tests {
         let [few, more] = [own(1000, Area::Surface, 1.0), own(4000, Area::Surface, 0.8)];
         assert_eq!(decided(&[few, more, own(1000, Area::Disc, 0.7)]), more);
         assert_eq!(decided(&[few, more, own(1000, Area::Disc, 0.67)]), own(1000, Area::Disc, 0.67));
-        let other = own(1000, Area::Disc, 0.75);
-        assert_eq!(decided(&[few, more, other, own(2000, Area::Disc, 0.67)]), other);
+        // Of discs, only another number of paths is clearly better, and only with it they are.
+        let [present, other] = [own(1000, Area::Disc, 0.75), own(2000, Area::Disc, 0.67)];
+        assert_eq!(decided(&[few, more, present, other]), other);
         // 0.01 s for a pass: 130 in 1.3 s.
         let alike = own(1000, Area::Surface, 1.04);
         assert_eq!(decide(&[best, alike], 1000, 1.29), Some(best));

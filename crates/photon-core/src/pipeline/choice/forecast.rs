@@ -34,8 +34,8 @@ const fn cost_per_pixel(area: Area) -> f64 {
 
 /// The squared error by photons with radii per pixel over that with the best shared radius, after as many passes n: the least of
 /// 1 and these a + b/n. Measured in ten scenes: 0.95 for n = 5 to 13, and without the noise of the references 0.6 to 0.8 from 15
-/// to 60, 0.4 at 120 to 150, and 0.2 to 0.4 at 200 to 420 (1.2 in `two-rooms`).
-const GAIN: [[f64; 2]; 2] = [[0.65, 3.0], [0.25, 28.0]];
+/// to 60, 0.4 at 120 to 150, and 0.2 to 0.4 at 200 to 420 (1.2 in `two-rooms`); 0.9 at 95 in `many-lights`.
+const GAIN: [[f64; 2]; 2] = [[0.65, 3.0], [0.25, 38.0]];
 
 fn gain(passes: u32) -> f64 {
     GAIN.iter().fold(1.0, |least: f64, [limit, search]| least.min(limit + search / f64::from(passes)))

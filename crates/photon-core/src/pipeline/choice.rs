@@ -113,12 +113,12 @@ impl Choice {
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Compares the settings that are `open`, and takes the best for the `goal`: afterwards the pipeline renders as if
-    /// it had been made with them. The number of paths is not changed: if [`Choice::photons`] differs,
-    /// [`Pipeline::with_settings`] takes it, whose preparation takes time from such candidates. `None`, and nothing changes, if there is nothing to choose, or
-    /// after the first pass. With final gathering only the number of its rays is chosen, and the bias of what they find in maps
-    /// is not counted; without it, maps whose estimates are shown are necessary. Whether to use final gathering is not chosen:
-    /// that needs other stages.
+    /// Compares the settings that are `open`, and takes the best for the `goal`: afterwards the pipeline renders as if it had been
+    /// made with them. The number of paths is not changed: if [`Choice::photons`] differs, [`Pipeline::with_settings`] takes it,
+    /// whose preparation takes time from such candidates. `None`, and nothing changes, if there is nothing to choose, or after the
+    /// first pass. With final gathering only the number of its rays is chosen, and the bias of what they find in maps is not
+    /// counted; without it, maps whose estimates are shown are necessary. Whether to use final gathering is not chosen: that needs
+    /// other stages.
     ///
     /// Two passes with all photons are rendered for a small part of the pixels, with other random numbers than those of the
     /// passes that count. The differences between the two give the variance; at the same visible points, the product of their

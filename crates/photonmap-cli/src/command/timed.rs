@@ -139,7 +139,7 @@ const MANY_PASSES: f64 = 200.0;
 
 /// The number of paths per pass if more are better: where radii are those of each pixel, the squared error by photons falls about
 /// as (total paths)^(−2/3). On a GPU a pass takes hardly longer with several times as many; but where most of the error has other
-/// causes, fewer passes add to it. At most two per pixel; `None` if that is less than 1.5 times those that were
+/// causes, fewer passes add to it. At most two per pixel; `None` if that is less than 1.5 times those of now, or those that were
 /// chosen.
 fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
     let is_like =

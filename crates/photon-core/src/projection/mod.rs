@@ -114,8 +114,8 @@ impl ProjectionMap {
     pub const WORTH_ROUGH: f64 = 0.05;
 
     /// Density of aimed photons over that of the photons of other paths, unless that takes less than a quarter or more
-    /// than twice the number of these.
-    const DENSITY: f64 = 5.0;
+    /// than twice the number of these (docs/studies/choices.md).
+    const DENSITY: f64 = 10.0;
 
     /// Number of aimed paths beside `photons` others, with `share` of the light in marked cells.
     fn paths(photons: u32, share: f64) -> u32 {

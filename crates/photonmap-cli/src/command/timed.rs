@@ -134,12 +134,15 @@ pub(super) fn with_choice(
     (settings, is_new)
 }
 
+/// Paths are increased if at least this many times as many fit into the time.
+const CLEARLY_MORE: f64 = 1.5;
+
 /// Paths are not increased to where fewer passes than this fit.
 const MANY_PASSES: f64 = 200.0;
 
 /// The number of paths per pass if more are better: where radii are those of each pixel, the squared error by photons falls about
 /// as (total paths)^(−2/3). On a GPU a pass takes hardly longer with several times as many; but where most of the error has other
-/// causes, fewer passes add to it. At most two per pixel; `None` if that is less than 1.5 times those of now, or those that were
+/// causes, fewer passes add to it. At most two per pixel; `None` if that is not clearly more than those of now, or those that were
 /// chosen.
 fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Option<u32> {
     let is_like =
@@ -148,12 +151,18 @@ fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Optio
     let parts = [choice.photon_seconds, best.seconds - choice.photon_seconds];
     let may_help = gathering::is_by_maps(best.error, best.direct_error);
     let paths = affordable(photons, parts, seconds).min(2.0 * f64::from(pixels)) as u32;
-    (choice.bandwidth == Bandwidth::PerPixel && may_help && is_clearly_more(paths, photons.max(choice.photons)))
-        .then_some(paths)
+    let is_more = is_clearly_more(paths, photons.max(choice.photons), photons, parts);
+    (choice.bandwidth == Bandwidth::PerPixel && may_help && is_more).then_some(paths)
 }
 
-fn is_clearly_more(paths: u32, others: u32) -> bool {
-    f64::from(paths) >= 1.5 * f64::from(others)
+/// Whether so many `paths` per pass are more than `others`, and at least [`CLEARLY_MORE`] as many in the same time. Those of now
+/// take the first of these seconds of a pass, and in proportion.
+fn is_clearly_more(paths: u32, others: u32, photons: u32, [for_photons, rest]: [f64; 2]) -> bool {
+    let rate = |paths: u32| {
+        let seconds = for_photons * f64::from(paths) / f64::from(photons) + rest.max(0.0);
+        f64::from(paths) / seconds.max(1e-6)
+    };
+    paths > others && rate(paths) >= CLEARLY_MORE * rate(others)
 }
 
 /// The paths with which [`MANY_PASSES`] fit if those of now take the first of these seconds of a pass, and in proportion; what
@@ -208,10 +217,15 @@ mod tests {
         assert_eq!(increased(100_000, 10_000_000, 2.0), None);
         // As many were chosen already.
         assert_eq!(increased(400_000, 250_000, 10.0), None);
-        assert_eq!(increased(200_000, 250_000, 10.0), Some(500_000));
+        // 500 000 take 0.03 s and 200 000 half of that: 1.25 times as many in the same time.
+        assert_eq!(increased(200_000, 250_000, 10.0), None);
         // Fewer were chosen: neither those of now nor somewhat more are taken instead.
         assert_eq!(increased(25_000, 70_000, 10.0), None);
         assert_eq!(increased(25_000, 250_000, 10.0), Some(500_000));
+        // Where photons take a tenth of a pass, 500 000 take 1.3 times as long as 200 000.
+        choice.photons = 200_000;
+        choice.photon_seconds = 0.001;
+        assert_eq!(more_paths(&choice, 100_000, 250_000, 10.0), Some(500_000));
     }
 
     #[test]

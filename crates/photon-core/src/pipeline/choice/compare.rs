@@ -2,7 +2,9 @@
 
 use super::super::Pipeline;
 use super::bias::reference;
-use super::forecast::{Model, Trial, variance, weights, weights_of_mean, with_gather_rays};
+use super::forecast::{
+    GAIN_OF_CAUSTICS, GAIN_WITHOUT_CAUSTICS, Gain, Model, Trial, variance, weights, weights_of_mean, with_gather_rays,
+};
 use super::trials::widest;
 use super::{Candidate, Choice, Goal, Open};
 use crate::backend::TransportBackend;
@@ -25,6 +27,13 @@ const TIMED_PART: f64 = 0.04;
 /// Factors on radii that are tried, and those that may be chosen.
 const TRIED_FACTORS: [f64; 3] = [0.7, 1.4, 2.0];
 const POSSIBLE_FACTORS: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
+
+/// Those that may be chosen where photons are aimed at caustics of less than [`FEW_PIXELS`]: so few pixels of a trial do not show
+/// their bias.
+const FACTORS_FOR_FEW: [f64; 3] = [0.5, 0.7, 1.0];
+
+/// A part of all pixels.
+const FEW_PIXELS: f64 = 0.05;
 
 /// Numbers of gather rays that are tried, and those that may be chosen.
 const TRIED_RAYS: [u32; 2] = [1, 16];
@@ -54,6 +63,8 @@ struct Measured {
     gathering: Vec<f64>,
     /// The mean radiance of each pixel without that by photons at visible points.
     others: Vec<f64>,
+    /// The part of the pixels with caustics.
+    caustic: f64,
     /// Seconds of a pass until there are photon maps: fixed, and proportional to the number of paths.
     photons: [f64; 2],
     /// Seconds of a pass for camera paths and direct light, which those of the trials contain.
@@ -83,9 +94,9 @@ pub(super) struct Comparison {
     /// Multiples of the number of paths, and factors on radii, that may be chosen.
     multiples: Vec<f64>,
     factors: &'static [f64],
-    /// The present kind of radii, and whether another may be chosen.
+    /// The present kind of radii, and what radii per pixel gain if they may be chosen instead.
     bandwidth: Bandwidth,
-    may_be_per_pixel: bool,
+    per_pixel: Option<Gain>,
     /// The present number of paths, and seconds of a pass that are proportional to it.
     photons: u32,
     pub(super) photon_seconds: f64,
@@ -115,8 +126,8 @@ impl Comparison {
                 // Radii per pixel that were given are not compared with shared ones, and are forecast as if they were shared.
                 let present = |&factor| candidate(self.bandwidth, factor, model.forecast(more, factor, seconds));
                 candidates.extend(self.factors.iter().map(present));
-                if self.may_be_per_pixel {
-                    let forecast = model.forecast_per_pixel(more, &POSSIBLE_FACTORS, seconds);
+                if let Some(gain) = self.per_pixel {
+                    let forecast = model.forecast_per_pixel(more, &POSSIBLE_FACTORS, seconds, gain);
                     candidates.push(candidate(Bandwidth::PerPixel, 1.0, forecast));
                 }
             }
@@ -184,17 +195,17 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 
     fn comparison(&self, measured: &Measured, settings: &[(Area, f64)], areas: &[Area], open: Open) -> Comparison {
-        let Measured { trials, sampled, all, gathering, others, photons, look } = measured;
-        let now = f64::from(self.settings.photons);
+        let Measured { trials, sampled, all, gathering, others, caustic, photons, look } = measured;
+        let (now, is_aimed) = (f64::from(self.settings.photons), self.stages.aimed.is_some());
         let multiples = MULTIPLES
             .iter()
             .filter(|&&more| more == 1.0 || open.photons && more * now >= f64::from(Choice::MIN_PHOTONS));
         let mut comparison = Comparison {
             compared: Vec::new(),
             multiples: multiples.copied().collect(),
-            factors: if open.radius_factor { &POSSIBLE_FACTORS } else { &[1.0] },
+            factors: if open.radius_factor { possible_factors(is_aimed, *caustic) } else { &[1.0] },
             bandwidth: self.settings.bandwidth,
-            may_be_per_pixel: open.bandwidth,
+            per_pixel: open.bandwidth.then(|| gain(is_aimed, *caustic)),
             photons: self.settings.photons,
             photon_seconds: photons[1],
             setup: self.setup.without_scene(),
@@ -257,6 +268,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let sampled = numbers.clone().map(|number| [first.sampled(number), second.sampled(number)]).collect();
         let all = numbers.map(|number| [first.all(number), second.all(number)]).collect();
         let others = first.others(&second);
+        let caustic = 0.5 * (first.caustic + second.caustic);
         let trials = settings
             .iter()
             .zip(first.shown.into_iter().zip(second.shown))
@@ -267,8 +279,18 @@ impl<B: TransportBackend> Pipeline<B> {
                 seconds: (look + once.min(again)) * more,
             })
             .collect();
-        Ok(Measured { trials, sampled, all, gathering, others, photons, look: look * more })
+        Ok(Measured { trials, sampled, all, gathering, others, caustic, photons, look: look * more })
     }
+}
+
+/// The factors on radii that may be chosen, where a part `caustic` of the pixels has caustics.
+fn possible_factors(is_aimed: bool, caustic: f64) -> &'static [f64] {
+    if is_aimed && caustic < FEW_PIXELS { &FACTORS_FOR_FEW } else { &POSSIBLE_FACTORS }
+}
+
+/// The gain of radii per pixel there.
+fn gain(is_aimed: bool, caustic: f64) -> Gain {
+    if is_aimed || caustic >= FEW_PIXELS { GAIN_OF_CAUSTICS } else { GAIN_WITHOUT_CAUSTICS }
 }
 
 /// The view of a small picture, whose pixels have the size of those of the whole one and lie apart: as many of them contain an
@@ -287,6 +309,20 @@ fn reduced(whole: View) -> View {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn radii_do_not_grow_for_caustics_that_few_pixels_show() {
+        assert_eq!(possible_factors(true, 0.01), [0.5, 0.7, 1.0]);
+        for (is_aimed, caustic) in [(false, 0.01), (true, 0.06), (true, f64::NAN)] {
+            assert_eq!(possible_factors(is_aimed, caustic), POSSIBLE_FACTORS);
+        }
+    }
+
+    #[test]
+    fn radii_per_pixel_gain_more_from_caustics() {
+        let gains = [(true, 0.01), (false, 0.06), (false, 0.01)].map(|(is_aimed, caustic)| gain(is_aimed, caustic));
+        assert_eq!(gains, [GAIN_OF_CAUSTICS, GAIN_OF_CAUSTICS, GAIN_WITHOUT_CAUSTICS]);
+    }
 
     #[test]
     fn pixels_of_small_pictures_are_as_wide_as_before() {

@@ -33,12 +33,17 @@ const fn cost_per_pixel(area: Area) -> f64 {
 }
 
 /// The squared error by photons with radii per pixel over that with the best shared radius, after as many passes n: the least of
-/// 1 and these a + b/n. Measured in ten scenes: 0.95 for n = 5 to 13, and without the noise of the references 0.6 to 0.8 from 15
-/// to 60, 0.4 at 120 to 150, and 0.2 to 0.4 at 200 to 420 (1.2 in `two-rooms`); 0.9 at 95 in `many-lights`.
-const GAIN: [[f64; 2]; 2] = [[0.65, 3.0], [0.25, 38.0]];
+/// these a + b/n, with numbers from measurements (docs/studies/choices.md).
+pub(super) type Gain = &'static [[f64; 2]];
 
-fn gain(passes: u32) -> f64 {
-    GAIN.iter().fold(1.0, |least: f64, [limit, search]| least.min(limit + search / f64::from(passes)))
+/// Where there are caustics.
+pub(super) const GAIN_OF_CAUSTICS: Gain = &[[1.0, 0.0], [0.65, 3.0], [0.25, 38.0]];
+
+/// Where there are none: most light is smooth, and the search for the radius of each pixel adds noise.
+pub(super) const GAIN_WITHOUT_CAUSTICS: Gain = &[[1.4, 0.0], [0.25, 150.0]];
+
+fn at(gain: Gain, passes: u32) -> f64 {
+    gain.iter().fold(f64::INFINITY, |least, [limit, search]| least.min(limit + search / f64::from(passes)))
 }
 
 /// Squared relative errors of one kind of areas.
@@ -109,12 +114,12 @@ impl Model {
     }
 
     /// The same with radii of each pixel, as a part of what the best of the `factors` would give with as many passes.
-    pub(super) fn forecast_per_pixel(&self, more: f64, factors: &[f64], seconds: f64) -> [f64; 3] {
+    pub(super) fn forecast_per_pixel(&self, more: f64, factors: &[f64], seconds: f64, gain: Gain) -> [f64; 3] {
         let pass = self.pass_per_pixel(more);
         let passes = count(seconds, pass);
         let others = self.others / f64::from(passes);
         let shared = factors.iter().map(|&factor| self.by_photons(more, factor, passes)).fold(f64::INFINITY, f64::min);
-        [pass, others + gain(passes) * shared, others]
+        [pass, others + at(gain, passes) * shared, others]
     }
 
     fn pass_per_pixel(&self, more: f64) -> f64 {

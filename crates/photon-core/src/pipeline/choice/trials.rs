@@ -26,7 +26,12 @@ pub(super) struct Tried {
     /// The radiance of each pixel by photons with the [`widest`] setting, at the visible points of this pass; those of `shown` are
     /// of the first pass.
     own: Vec<f64>,
+    /// The part of the pixels with caustics, by the first setting.
+    pub(super) caustic: f64,
 }
+
+/// A pixel has caustics if they are more than this part of its light.
+const CAUSTIC: f64 = 0.2;
 
 impl Tried {
     /// The mean radiance of the two passes without that of photons at visible points; of the numbers of gather rays, that of
@@ -97,15 +102,20 @@ impl<B: TransportBackend> Pipeline<B> {
             self.on.clear_film(&mut self.film)?;
         }
         let mut shown = Vec::with_capacity(settings.len());
+        let mut caustic = 0.0;
         for &setting in settings {
             let seconds = self.timed_estimates(&mut maps, setting, 0)?;
             self.on.end_pass(&mut self.film)?;
-            shown.push((sum(&self.on.read_film(&self.film)?), seconds));
+            let film = self.on.read_film(&self.film)?;
+            if shown.is_empty() {
+                caustic = part_with_caustics(&film, &seen);
+            }
+            shown.push((sum(&film), seconds));
             self.on.clear_film(&mut self.film)?;
         }
         self.reclaim_maps(maps);
         let own = own.or_else(|| Some(shown[widest(settings)?].0.clone())).unwrap_or_else(|| vec![0.0; seen.len()]);
-        Ok(Tried { photons, look, seen, gathered, shown, own })
+        Ok(Tried { photons, look, seen, gathered, shown, own, caustic })
     }
 
     /// Seconds for camera paths and direct light of the whole picture.
@@ -199,13 +209,40 @@ pub(super) fn widest(settings: &[(Area, f64)]) -> Option<usize> {
 
 /// The sum of all layers of each pixel, mean of RGB.
 fn sum(film: &Film) -> Vec<f64> {
-    let grey = |pixel: &FilmPixel, layer: Layer| pixel.layers[layer as usize].iter().sum::<f64>() / 3.0;
     film.pixels.iter().map(|pixel| Layer::ALL.iter().map(|&layer| grey(pixel, layer)).sum()).collect()
+}
+
+fn grey(pixel: &FilmPixel, layer: Layer) -> f64 {
+    pixel.layers[layer as usize].iter().sum::<f64>() / 3.0
+}
+
+/// The part of the pixels with caustics, where `others` is the light that the film lacks.
+fn part_with_caustics(film: &Film, others: &[f64]) -> f64 {
+    let has_caustics = |(pixel, (all, other)): (&FilmPixel, (f64, &f64))| {
+        let caustic = grey(pixel, Layer::Caustic);
+        caustic > 0.0 && caustic > CAUSTIC * (all + other)
+    };
+    let number = film.pixels.iter().zip(sum(film).into_iter().zip(others)).filter(|each| has_caustics(*each)).count();
+    number as f64 / film.pixels.len().max(1) as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pixels_with_caustics_have_more_than_a_fifth_of_their_light_from_them() {
+        let mut film = Film::new(4, 1, crate::Units::default()).unwrap();
+        for (pixel, caustic) in film.pixels.iter_mut().zip([0.0, 1.0, 2.0, 3.0]) {
+            pixel.layers[Layer::Caustic as usize] = [3.0 * caustic, 0.0, 0.0];
+            pixel.layers[Layer::Indirect as usize] = [4.0; 3];
+        }
+        // 1 of 5, 2 of 6 and 3 of 7; with more light 2 of 11.
+        assert_eq!(part_with_caustics(&film, &[0.0; 4]), 0.5);
+        assert_eq!(part_with_caustics(&film, &[0.0, 0.0, 5.0, 0.0]), 0.25);
+        let dark = Film { pixels: vec![FilmPixel::default(); 4], ..film };
+        assert_eq!(part_with_caustics(&dark, &[0.0; 4]), 0.0);
+    }
 
     #[test]
     fn the_widest_setting_has_the_first_kind_of_areas() {

@@ -215,8 +215,15 @@ fn radii_per_pixel_have_fewer_passes_and_a_smaller_error_of_each() {
     let model = Model::new(&all, &reference(&trials), 0.5, &weights, ([0.25, 0.5], 0.1), 1.0);
     let expected = |more: f64| 0.25 + more * 0.5 + 0.1 + 1.35 * 0.9;
     let factors = [0.5, 0.7, 1.0, 1.4, 2.0];
-    for (more, passes, gained) in [(1.0, 4.0, 1.0), (1.0, 20.0, 0.8), (1.0, 100.0, 0.63), (4.0, 400.0, 0.345)] {
-        let [pass, error, others] = model.forecast_per_pixel(more, &factors, passes * expected(more));
+    for (gain, more, passes, gained) in [
+        (GAIN_OF_CAUSTICS, 1.0, 4.0, 1.0),
+        (GAIN_OF_CAUSTICS, 1.0, 20.0, 0.8),
+        (GAIN_OF_CAUSTICS, 1.0, 100.0, 0.63),
+        (GAIN_OF_CAUSTICS, 4.0, 400.0, 0.345),
+        (GAIN_WITHOUT_CAUSTICS, 1.0, 100.0, 1.4),
+        (GAIN_WITHOUT_CAUSTICS, 4.0, 400.0, 0.625),
+    ] {
+        let [pass, error, others] = model.forecast_per_pixel(more, &factors, passes * expected(more), gain);
         assert!((pass / expected(more) - 1.0).abs() < 1e-9 && (others * passes / 0.5 - 1.0).abs() < 1e-9);
         let shared = factors.map(|factor| model.by_photons(more, factor, passes as u32));
         let least = shared.into_iter().fold(f64::INFINITY, f64::min);

@@ -131,6 +131,7 @@ macro_rules! whole_suite {
             }
             choice::{
                 chosen_settings_make_the_same_bits, gather_rays_make_the_same_bits, passes_and_errors_are_times,
+                wide_radii_are_left_out_for_small_caustics,
                 noise_of_camera_paths_is_forecast, nothing_to_choose_changes_nothing,
             }
             footprint::{ a15_spots_narrower_than_a_pixel_are_found, a16_radii_are_at_least_half_a_pixel }

@@ -89,8 +89,8 @@ pub struct Open {
     pub photons: bool,
     /// [`crate::Settings::area`], if the settings have [`Area::Surface`], without final gathering.
     pub area: bool,
-    /// [`crate::Settings::radius_factor`], if it is 1 and radii are derived and shared, without final gathering; at most 1
-    /// where photons are aimed.
+    /// [`crate::Settings::radius_factor`], if it is 1 and radii are derived and shared, without final gathering. The chosen one
+    /// is at most 1 where photons are aimed and less than a twentieth of the pixels have caustics.
     pub radius_factor: bool,
     /// [`crate::Settings::bandwidth`], if it is [`Bandwidth::Shared`] and radii are derived without a limit on memory and
     /// without final gathering.

@@ -158,7 +158,7 @@ pub enum RandomKind {
 pub enum CausticPhotons {
     /// Aimed, if at most half of the light can meet mirrors, glass or glossy surfaces ([`crate::ProjectionMap::WORTH`]), and
     /// most of that light smooth ones, or if it is at most a twentieth of the light, where all light of an environment counts:
-    /// 10 times the share that can of [`Settings::photons`], but at least a quarter as many and at most twice as many. If no
+    /// [`Settings::photons`] times ten times the share that can, but at least a quarter as many and at most twice as many. If no
     /// other map is filled: as many, whatever the share. Otherwise [`CausticPhotons::Shared`].
     #[default]
     Auto,

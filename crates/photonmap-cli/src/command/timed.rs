@@ -70,8 +70,17 @@ fn goal(purpose: Purpose, time: f64) -> Goal {
     }
 }
 
+/// Trials take about this many times as long as the pilot: 2 to 10 in nine scenes (3 s, two cores).
+const TRIALS_OVER_PILOT: f64 = 4.0;
+
+/// Whether trials for `--time` would take longer than the time that is left. Nothing would be left for passes then.
+fn is_too_short(is_time: bool, left: f64, pilot: f64) -> bool {
+    is_time && left < TRIALS_OVER_PILOT * pilot
+}
+
 /// Chooses areas, radii, the number of paths, whether each pixel has a radius of its own, and whether there is final
-/// gathering. The renderer has them afterwards; it is returned with its settings.
+/// gathering. The renderer has them afterwards; it is returned with its settings. Nothing is chosen for a time that trials would
+/// take alone.
 ///
 /// # Errors
 /// Those of rendering.
@@ -95,6 +104,9 @@ pub(super) fn choose<B: TransportBackend>(
     };
     let since = Instant::now();
     let time = args.budget.time.map_or(f64::INFINITY, |time| (time - begun.elapsed().as_secs_f64()).max(0.0));
+    if is_too_short(is_time, time, renderer.facts().setup.without_scene()) {
+        return Ok((renderer, settings, None));
+    }
     let goal = goal(purpose, time);
     let Some(choice) = renderer.choose(&scene.view(), goal, open)? else { return Ok((renderer, settings, None)) };
     let trials = since.elapsed().as_secs_f64();
@@ -134,7 +146,7 @@ pub(super) fn with_choice(
     (settings, is_new)
 }
 
-/// Paths are increased if at least this many times as many fit into the time.
+/// Paths of a pass are increased if at least this many times as many in all fit into the time.
 const CLEARLY_MORE: f64 = 1.5;
 
 /// Paths are not increased to where fewer passes than this fit.
@@ -155,8 +167,8 @@ fn more_paths(choice: &Choice, photons: u32, pixels: u32, seconds: f64) -> Optio
     (choice.bandwidth == Bandwidth::PerPixel && may_help && is_more).then_some(paths)
 }
 
-/// Whether so many `paths` per pass are more than `others`, and at least [`CLEARLY_MORE`] as many in the same time. Those of now
-/// take the first of these seconds of a pass, and in proportion.
+/// Whether so many `paths` per pass are more than `others`, and at least [`CLEARLY_MORE`] as many in the same time. The first of
+/// these seconds of a pass are for `photons` paths, and in proportion to their number; the others do not depend on it.
 fn is_clearly_more(paths: u32, others: u32, photons: u32, [for_photons, rest]: [f64; 2]) -> bool {
     let rate = |paths: u32| {
         let seconds = for_photons * f64::from(paths) / f64::from(photons) + rest.max(0.0);
@@ -176,6 +188,12 @@ mod tests {
     use backend_cpu::Cpu;
 
     use super::*;
+
+    #[test]
+    fn without_time_for_trials_nothing_is_chosen() {
+        assert!(is_too_short(true, 0.39, 0.1) && !is_too_short(true, 0.41, 0.1) && !is_too_short(false, 0.0, 0.1));
+        assert!(is_too_short(true, 0.0, 0.1) && !is_too_short(true, f64::INFINITY, 0.1));
+    }
 
     #[test]
     fn paths_are_as_many_as_leave_many_passes() {
@@ -226,6 +244,15 @@ mod tests {
         choice.photons = 200_000;
         choice.photon_seconds = 0.001;
         assert_eq!(more_paths(&choice, 100_000, 250_000, 10.0), Some(500_000));
+    }
+
+    #[test]
+    fn more_paths_are_clearly_more_in_the_same_time() {
+        // 400 000 take 25 ms, 16 million in a second; 114 000 and 115 000 take 10.7 ms, 10.65 and 10.70 million in a second.
+        let is_more = |others| is_clearly_more(400_000, others, 100_000, [0.005, 0.005]);
+        assert!(is_more(100_000) && is_more(114_000) && !is_more(115_000) && !is_more(400_000));
+        // All of the time is for photons, or measured so.
+        assert!(!is_clearly_more(400_000, 100_000, 100_000, [0.005, -0.001]));
     }
 
     #[test]

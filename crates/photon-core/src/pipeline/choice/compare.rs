@@ -28,11 +28,11 @@ const TIMED_PART: f64 = 0.04;
 const TRIED_FACTORS: [f64; 3] = [0.7, 1.4, 2.0];
 const POSSIBLE_FACTORS: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 
-/// Those that may be chosen where photons are aimed at caustics of less than [`FEW_PIXELS`]: so few pixels of a trial do not show
-/// their bias.
+/// Those that may be chosen where photons are aimed and less than [`FEW_PIXELS`] of all pixels have caustics: the trials then do
+/// not show the bias of wide radii.
 const FACTORS_FOR_FEW: [f64; 3] = [0.5, 0.7, 1.0];
 
-/// A part of all pixels.
+/// A smaller share of the pixels is few.
 const FEW_PIXELS: f64 = 0.05;
 
 /// Numbers of gather rays that are tried, and those that may be chosen.
@@ -63,8 +63,8 @@ struct Measured {
     gathering: Vec<f64>,
     /// The mean radiance of each pixel without that by photons at visible points.
     others: Vec<f64>,
-    /// The part of the pixels with caustics.
-    caustic: f64,
+    /// The share of the pixels that have caustics.
+    caustic_share: f64,
     /// Seconds of a pass until there are photon maps: fixed, and proportional to the number of paths.
     photons: [f64; 2],
     /// Seconds of a pass for camera paths and direct light, which those of the trials contain.
@@ -127,6 +127,7 @@ impl Comparison {
                 let present = |&factor| candidate(self.bandwidth, factor, model.forecast(more, factor, seconds));
                 candidates.extend(self.factors.iter().map(present));
                 if let Some(gain) = self.per_pixel {
+                    // They grow where light is smooth, even if shared ones may not be wider.
                     let forecast = model.forecast_per_pixel(more, &POSSIBLE_FACTORS, seconds, gain);
                     candidates.push(candidate(Bandwidth::PerPixel, 1.0, forecast));
                 }
@@ -195,7 +196,7 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 
     fn comparison(&self, measured: &Measured, settings: &[(Area, f64)], areas: &[Area], open: Open) -> Comparison {
-        let Measured { trials, sampled, all, gathering, others, caustic, photons, look } = measured;
+        let Measured { trials, sampled, all, gathering, others, caustic_share, photons, look } = measured;
         let (now, is_aimed) = (f64::from(self.settings.photons), self.stages.aimed.is_some());
         let multiples = MULTIPLES
             .iter()
@@ -203,9 +204,9 @@ impl<B: TransportBackend> Pipeline<B> {
         let mut comparison = Comparison {
             compared: Vec::new(),
             multiples: multiples.copied().collect(),
-            factors: if open.radius_factor { possible_factors(is_aimed, *caustic) } else { &[1.0] },
+            factors: if open.radius_factor { possible_factors(is_aimed, *caustic_share) } else { &[1.0] },
             bandwidth: self.settings.bandwidth,
-            per_pixel: open.bandwidth.then(|| gain(is_aimed, *caustic)),
+            per_pixel: open.bandwidth.then(|| gain(is_aimed, *caustic_share)),
             photons: self.settings.photons,
             photon_seconds: photons[1],
             setup: self.setup.without_scene(),
@@ -268,7 +269,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let sampled = numbers.clone().map(|number| [first.sampled(number), second.sampled(number)]).collect();
         let all = numbers.map(|number| [first.all(number), second.all(number)]).collect();
         let others = first.others(&second);
-        let caustic = 0.5 * (first.caustic + second.caustic);
+        let caustic_share = 0.5 * (first.caustic_share + second.caustic_share);
         let trials = settings
             .iter()
             .zip(first.shown.into_iter().zip(second.shown))
@@ -279,18 +280,18 @@ impl<B: TransportBackend> Pipeline<B> {
                 seconds: (look + once.min(again)) * more,
             })
             .collect();
-        Ok(Measured { trials, sampled, all, gathering, others, caustic, photons, look: look * more })
+        Ok(Measured { trials, sampled, all, gathering, others, caustic_share, photons, look: look * more })
     }
 }
 
-/// The factors on radii that may be chosen, where a part `caustic` of the pixels has caustics.
-fn possible_factors(is_aimed: bool, caustic: f64) -> &'static [f64] {
-    if is_aimed && caustic < FEW_PIXELS { &FACTORS_FOR_FEW } else { &POSSIBLE_FACTORS }
+/// The factors on radii that may be chosen, by whether photons are aimed and the share of the pixels that have caustics.
+fn possible_factors(is_aimed: bool, caustic_share: f64) -> &'static [f64] {
+    if is_aimed && caustic_share < FEW_PIXELS { &FACTORS_FOR_FEW } else { &POSSIBLE_FACTORS }
 }
 
-/// The gain of radii per pixel there.
-fn gain(is_aimed: bool, caustic: f64) -> Gain {
-    if is_aimed || caustic >= FEW_PIXELS { GAIN_OF_CAUSTICS } else { GAIN_WITHOUT_CAUSTICS }
+/// What radii per pixel gain, by the same. Aimed photons count as caustics: those may be too small to be seen in a trial.
+fn gain(is_aimed: bool, caustic_share: f64) -> Gain {
+    if is_aimed || caustic_share >= FEW_PIXELS { GAIN_OF_CAUSTICS } else { GAIN_WITHOUT_CAUSTICS }
 }
 
 /// The view of a small picture, whose pixels have the size of those of the whole one and lie apart: as many of them contain an
@@ -312,15 +313,15 @@ mod tests {
 
     #[test]
     fn radii_do_not_grow_for_caustics_that_few_pixels_show() {
-        assert_eq!(possible_factors(true, 0.01), [0.5, 0.7, 1.0]);
-        for (is_aimed, caustic) in [(false, 0.01), (true, 0.06), (true, f64::NAN)] {
-            assert_eq!(possible_factors(is_aimed, caustic), POSSIBLE_FACTORS);
+        assert_eq!(possible_factors(true, 0.049), [0.5, 0.7, 1.0]);
+        for (is_aimed, caustic_share) in [(false, 0.049), (true, 0.05)] {
+            assert_eq!(possible_factors(is_aimed, caustic_share), POSSIBLE_FACTORS);
         }
     }
 
     #[test]
     fn radii_per_pixel_gain_more_from_caustics() {
-        let gains = [(true, 0.01), (false, 0.06), (false, 0.01)].map(|(is_aimed, caustic)| gain(is_aimed, caustic));
+        let gains = [(true, 0.0), (false, 0.05), (false, 0.049)].map(|(is_aimed, share)| gain(is_aimed, share));
         assert_eq!(gains, [GAIN_OF_CAUSTICS, GAIN_OF_CAUSTICS, GAIN_WITHOUT_CAUSTICS]);
     }
 

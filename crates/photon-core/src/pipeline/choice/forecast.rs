@@ -33,17 +33,17 @@ const fn cost_per_pixel(area: Area) -> f64 {
 }
 
 /// The squared error by photons with radii per pixel over that with the best shared radius, after as many passes n: the least of
-/// these a + b/n, with numbers from measurements (docs/studies/choices.md).
+/// these a + b/n, with numbers from measurements (docs/studies/choices.md). The less, the better.
 pub(super) type Gain = &'static [[f64; 2]];
 
-/// Where there are caustics.
+/// Where photons are aimed, or pixels have caustics.
 pub(super) const GAIN_OF_CAUSTICS: Gain = &[[1.0, 0.0], [0.65, 3.0], [0.25, 38.0]];
 
-/// Where there are none: most light is smooth, and the search for the radius of each pixel adds noise.
+/// Elsewhere: most light is smooth, and the search for the radius of each pixel adds noise.
 pub(super) const GAIN_WITHOUT_CAUSTICS: Gain = &[[1.4, 0.0], [0.25, 150.0]];
 
-fn at(gain: Gain, passes: u32) -> f64 {
-    gain.iter().fold(f64::INFINITY, |least, [limit, search]| least.min(limit + search / f64::from(passes)))
+fn part_of_shared(gain: Gain, passes: u32) -> f64 {
+    gain.iter().fold(f64::INFINITY, |least, [a, b]| least.min(a + b / f64::from(passes)))
 }
 
 /// Squared relative errors of one kind of areas.
@@ -119,7 +119,7 @@ impl Model {
         let passes = count(seconds, pass);
         let others = self.others / f64::from(passes);
         let shared = factors.iter().map(|&factor| self.by_photons(more, factor, passes)).fold(f64::INFINITY, f64::min);
-        [pass, others + at(gain, passes) * shared, others]
+        [pass, others + part_of_shared(gain, passes) * shared, others]
     }
 
     fn pass_per_pixel(&self, more: f64) -> f64 {

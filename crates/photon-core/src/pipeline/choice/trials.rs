@@ -26,12 +26,9 @@ pub(super) struct Tried {
     /// The radiance of each pixel by photons with the [`widest`] setting, at the visible points of this pass; those of `shown` are
     /// of the first pass.
     own: Vec<f64>,
-    /// The part of the pixels with caustics, by the first setting.
-    pub(super) caustic: f64,
+    /// The share of the pixels that have caustics, by the first setting.
+    pub(super) caustic_share: f64,
 }
-
-/// A pixel has caustics if they are more than this part of its light.
-const CAUSTIC: f64 = 0.2;
 
 impl Tried {
     /// The mean radiance of the two passes without that of photons at visible points; of the numbers of gather rays, that of
@@ -102,20 +99,21 @@ impl<B: TransportBackend> Pipeline<B> {
             self.on.clear_film(&mut self.film)?;
         }
         let mut shown = Vec::with_capacity(settings.len());
-        let mut caustic = 0.0;
+        let mut caustic_share = 0.0;
         for &setting in settings {
             let seconds = self.timed_estimates(&mut maps, setting, 0)?;
             self.on.end_pass(&mut self.film)?;
             let film = self.on.read_film(&self.film)?;
+            let radiance = sum(&film);
             if shown.is_empty() {
-                caustic = part_with_caustics(&film, &seen);
+                caustic_share = share_of_caustics(&film, &added(&seen, &radiance));
             }
-            shown.push((sum(&film), seconds));
+            shown.push((radiance, seconds));
             self.on.clear_film(&mut self.film)?;
         }
         self.reclaim_maps(maps);
         let own = own.or_else(|| Some(shown[widest(settings)?].0.clone())).unwrap_or_else(|| vec![0.0; seen.len()]);
-        Ok(Tried { photons, look, seen, gathered, shown, own, caustic })
+        Ok(Tried { photons, look, seen, gathered, shown, own, caustic_share })
     }
 
     /// Seconds for camera paths and direct light of the whole picture.
@@ -216,14 +214,15 @@ fn grey(pixel: &FilmPixel, layer: Layer) -> f64 {
     pixel.layers[layer as usize].iter().sum::<f64>() / 3.0
 }
 
-/// The part of the pixels with caustics, where `others` is the light that the film lacks.
-fn part_with_caustics(film: &Film, others: &[f64]) -> f64 {
-    let has_caustics = |(pixel, (all, other)): (&FilmPixel, (f64, &f64))| {
+/// The share of the pixels that have caustics: more than this part of all light.
+const CAUSTIC: f64 = 0.2;
+
+fn share_of_caustics(film: &Film, light: &[f64]) -> f64 {
+    let has_caustics = |(pixel, light): &(&FilmPixel, &f64)| {
         let caustic = grey(pixel, Layer::Caustic);
-        caustic > 0.0 && caustic > CAUSTIC * (all + other)
+        caustic > 0.0 && caustic > CAUSTIC * **light
     };
-    let number = film.pixels.iter().zip(sum(film).into_iter().zip(others)).filter(|each| has_caustics(*each)).count();
-    number as f64 / film.pixels.len().max(1) as f64
+    film.pixels.iter().zip(light).filter(has_caustics).count() as f64 / film.pixels.len().max(1) as f64
 }
 
 #[cfg(test)]
@@ -238,10 +237,10 @@ mod tests {
             pixel.layers[Layer::Indirect as usize] = [4.0; 3];
         }
         // 1 of 5, 2 of 6 and 3 of 7; with more light 2 of 11.
-        assert_eq!(part_with_caustics(&film, &[0.0; 4]), 0.5);
-        assert_eq!(part_with_caustics(&film, &[0.0, 0.0, 5.0, 0.0]), 0.25);
+        assert_eq!(share_of_caustics(&film, &sum(&film)), 0.5);
+        assert_eq!(share_of_caustics(&film, &added(&sum(&film), &[0.0, 0.0, 5.0, 0.0])), 0.25);
         let dark = Film { pixels: vec![FilmPixel::default(); 4], ..film };
-        assert_eq!(part_with_caustics(&dark, &[0.0; 4]), 0.0);
+        assert_eq!(share_of_caustics(&dark, &sum(&dark)), 0.0);
     }
 
     #[test]

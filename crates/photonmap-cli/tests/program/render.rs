@@ -303,7 +303,7 @@ fn what_was_chosen_for_a_time_can_be_given() {
     };
     // What is given is not repeated.
     let cases: [(&str, &[&str]); 3] = [
-        ("cornell-glass", &["--time", "0.8"]),
+        ("cornell-glass", &["--time", "3"]),
         ("cornell", &["--time", "2"]),
         ("cornell", &["--time", "0.5", "--area", "disc"]),
     ];

@@ -1,5 +1,4 @@
 //! Selection of a backend: the CPU or a Vulkan device, and the reason for it.
-#![expect(clippy::print_stderr, reason = "one line says what was chosen and why")]
 
 use backend_cpu::Cpu;
 use backend_vulkan::{Candidate, Options, Vulkan};
@@ -67,7 +66,7 @@ impl Opened {
     #[must_use]
     pub fn report(self) -> Chosen {
         if let Some(line) = self.line {
-            eprintln!("{line}");
+            say!("{line}");
         }
         self.chosen
     }
@@ -112,7 +111,7 @@ pub fn open_devices(wanted: &[String]) -> Result<Vec<Vulkan>, Fault> {
 /// [`Fault::Input`] naming the device that is unknown or not suitable.
 pub fn open_device(wanted: &str) -> Result<Vulkan, Fault> {
     let on = device_named(wanted)?;
-    eprintln!("{}", requested(&on));
+    say!("{}", requested(&on));
     Ok(on)
 }
 

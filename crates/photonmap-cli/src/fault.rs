@@ -99,12 +99,11 @@ pub fn chain(error: &dyn std::error::Error) -> String {
 }
 
 /// Runs `program`; prints an error to stderr and returns its exit code.
-#[expect(clippy::print_stderr, reason = "a program's last words")]
 pub fn run(program: impl FnOnce() -> Result<(), Fault>) -> ExitCode {
     match program() {
         Ok(()) => ExitCode::SUCCESS,
         Err(fault) => {
-            eprintln!("error: {fault}");
+            say!("error: {fault}");
             ExitCode::from(if matches!(fault, Fault::Input(_) | Fault::OverMemory(_)) { 2 } else { 1 })
         }
     }

@@ -1,6 +1,11 @@
 //! The parts of the program `photonmap`: its commands, and what the studies of this project share with it
 //! (backends, pictures in files, reports, error measures).
 #![deny(unsafe_code)]
+// `eprintln!` panics where standard error cannot be written; `say!` does not.
+#![warn(clippy::print_stderr)]
+
+#[macro_use]
+pub mod stderr;
 
 pub mod args;
 pub mod atomic_write;

@@ -24,13 +24,12 @@ pub fn scene(args: &SceneArgs) -> Result<(Scene, LoadReport), Fault> {
 ///
 /// # Errors
 /// As [`scene`]; textures and other parts that do not fit.
-#[expect(clippy::print_stderr, reason = "warnings go to standard error")]
 pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadReport), Fault> {
     let (builder, report) = builder_within(args, limit)?;
     // Errors of reading name the file themselves.
     let scene = builder.build().map_err(|error| Fault::input(format!("{}: {error}", args.scene)))?;
     for warning in scene.warnings() {
-        eprintln!("warning: {warning}");
+        say!("warning: {warning}");
     }
     print(&report, args.strict)?;
     Ok((scene, report))
@@ -40,10 +39,9 @@ pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadRe
 ///
 /// # Errors
 /// [`Fault::Input`] if `strict` and anything was approximated or left out.
-#[expect(clippy::print_stderr, reason = "reports go to standard error")]
 pub fn print(report: &LoadReport, strict: bool) -> Result<(), Fault> {
     for line in &report.lines {
-        eprintln!("{line}");
+        say!("{line}");
     }
     if strict && !report.is_exact() {
         return Err(Fault::input("--strict: the lines above say what is approximated or left out"));
@@ -122,7 +120,6 @@ fn described(args: &SceneArgs, options: &LoadOptions) -> Result<(SceneBuilder, L
 const STARTER: &str = "auto";
 
 /// Writes an override file to begin with, unless there is a file of that name.
-#[expect(clippy::print_stderr, reason = "names the file, as the closing line names pictures")]
 fn write_starter(path: &Path, scene: &SceneBuilder) -> Result<(), Fault> {
     let mut file = File::create_new(path).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => Fault::input(format!(
@@ -132,6 +129,6 @@ fn write_starter(path: &Path, scene: &SceneBuilder) -> Result<(), Fault> {
         _ => Fault::writing(path, error),
     })?;
     file.write_all(Overrides::starter(scene).as_bytes()).map_err(|error| Fault::writing(path, error))?;
-    eprintln!("wrote {}: edit it, then render with `--overrides {0}`", path.display());
+    say!("wrote {}: edit it, then render with `--overrides {0}`", path.display());
     Ok(())
 }

@@ -1,5 +1,4 @@
 //! Progress of a render: a bar on a terminal, plain lines elsewhere.
-#![expect(clippy::print_stderr, reason = "progress goes to standard error")]
 
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -47,7 +46,7 @@ impl Progress {
             bar.set_position((1000.0 * fraction(done, self.limit, elapsed)) as u64);
             bar.set_message(text);
         } else if self.shown.elapsed() >= INTERVAL {
-            eprintln!("{text}");
+            say!("{text}");
             self.shown = Instant::now();
         }
     }
@@ -55,8 +54,8 @@ impl Progress {
     /// Prints a message without disturbing the bar.
     pub fn say(&self, text: &str) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
-            None => eprintln!("{text}"),
+            Some(bar) => bar.suspend(|| say!("{text}")),
+            None => say!("{text}"),
         }
     }
 

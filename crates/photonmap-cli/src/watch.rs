@@ -103,9 +103,8 @@ impl Watch {
     }
 
     /// Shows the finished film and closes everything.
-    #[expect(clippy::print_stderr, reason = "warnings")]
     pub(crate) fn finish(mut self, film: &Film) {
-        self.show(View::Film(film), &mut |text| eprintln!("{text}"));
+        self.show(View::Film(film), &mut |text| say!("{text}"));
     }
 
     /// How to make a picture that all can show; `None` if one needs a film, or they need different pictures.

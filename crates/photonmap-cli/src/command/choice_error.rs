@@ -1,5 +1,4 @@
 //! Errors while settings are chosen.
-#![expect(clippy::print_stderr, reason = "a failed trial is reported on standard error")]
 
 use crate::fault::Fault;
 
@@ -36,7 +35,7 @@ pub(super) fn with_or_without_gathering<T>(
     match attempt(true) {
         Err(ChoiceError::FinalGathering(fault)) => {
             let warning = format!("trying final gathering failed: {fault}; settings are chosen without it");
-            eprintln!("warning: {warning}");
+            say!("warning: {warning}");
             attempt(false).map(|made| (made, Some(warning))).map_err(ChoiceError::into_fault)
         }
         other => other.map(|made| (made, None)).map_err(ChoiceError::into_fault),

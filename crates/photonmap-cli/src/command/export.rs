@@ -1,5 +1,4 @@
 //! `photonmap export`
-#![expect(clippy::print_stderr, reason = "warnings and the closing line go to standard error")]
 
 use std::path::PathBuf;
 
@@ -46,15 +45,15 @@ pub fn run(args: &ExportArgs) -> Result<(), Fault> {
         let (builder, report) = load::builder(&args.scene)?;
         load::print(&report, args.scene.strict)?;
         atomic_write::write_bytes(path, &photon_scene::glb(&builder)?)?;
-        eprintln!("wrote {}", path.display());
+        say!("wrote {}", path.display());
         return Ok(());
     }
     let (scene, _) = load::scene(&args.scene)?;
     let camera = args.picture.view(&scene)?.camera;
     let written = mitsuba::write(path, &scene, &camera, args.picture.size)?;
     for warning in &written.warnings {
-        eprintln!("warning: {warning}");
+        say!("warning: {warning}");
     }
-    eprintln!("wrote {} and {} meshes in {}", path.display(), written.meshes, written.folder.display());
+    say!("wrote {} and {} meshes in {}", path.display(), written.meshes, written.folder.display());
     Ok(())
 }

@@ -1,5 +1,4 @@
 //! `photonmap map`
-#![expect(clippy::print_stderr, reason = "the closing line goes to standard error")]
 
 use std::path::{Path, PathBuf};
 
@@ -115,7 +114,7 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
     }
     let written: Vec<String> = outputs.into_iter().flatten().map(|path| path.display().to_string()).collect();
     let written = if written.is_empty() { "wrote nothing".to_owned() } else { format!("wrote {}", written.join(", ")) };
-    eprintln!(
+    say!(
         "{written}: index of {} photons in {seconds_build:.3} s, {} queries in {seconds_query:.3} s ({rate:.0} per second)",
         photons.len(),
         queries.len()

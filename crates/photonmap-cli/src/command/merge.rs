@@ -1,5 +1,4 @@
 //! `photonmap merge`
-#![expect(clippy::print_stderr, reason = "the closing line goes to standard error")]
 
 use std::path::PathBuf;
 
@@ -34,13 +33,13 @@ pub fn run(args: &MergeArgs) -> Result<(), Fault> {
     }
     let info = photon_film::merge(&args.output, &args.films)?;
     if !info.in_order {
-        eprintln!(
+        say!(
             "note: the last bits may differ from those of a single render; for the same bits, render all films on one \
              backend, and each after the first as the next block of {} passes",
             info.key.grain()
         );
     }
     let (films, passes) = (args.films.len(), info.contains.count());
-    eprintln!("wrote {}: {passes} passes of {films} films ({})", args.output.display(), info.contains);
+    say!("wrote {}: {passes} passes of {films} films ({})", args.output.display(), info.contains);
     args.target.print(&args.output)
 }

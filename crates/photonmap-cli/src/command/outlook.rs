@@ -1,5 +1,4 @@
 //! The error of a film file, and how many more passes a target takes.
-#![expect(clippy::print_stderr, reason = "the error goes to standard error, the number of passes to standard output")]
 
 use std::path::Path;
 
@@ -45,7 +44,7 @@ impl TargetArgs {
         let Some(forecast) = target.forecast(&film, u32::MAX, 0.0) else {
             return Err(Fault::failure(named(&"no pixel has an error estimate yet: render more passes")));
         };
-        eprintln!("{}", error_line(&path.display().to_string(), &forecast));
+        say!("{}", error_line(&path.display().to_string(), &forecast));
         let Some(needed) = forecast.passes_needed else {
             return Err(Fault::failure(named(&"the target is out of reach of any number of passes")));
         };

@@ -1,5 +1,4 @@
 //! Settings for `--time` with error estimates where photons bring little of the light, as of a model in the open under a sky.
-#![expect(clippy::print_stderr, reason = "the choice goes to standard error")]
 
 use photon_core::{
     Area, Bandwidth, Budget, CausticPhotons, Choice, Direct, Estimator, Features, Film, Pipeline, Settings,
@@ -69,7 +68,7 @@ pub(super) fn choose<B: TransportBackend>(
     let photons = settings.photons / FEWER;
     let area = if share < LITTLE { Area::Disc } else { settings.area };
     let discs = if area == settings.area { "" } else { " and areas of discs" };
-    eprintln!(
+    say!(
         "photons bring {:.0} % of the light of the surfaces: {photons} paths a pass{discs}, unless --photons or --area is given",
         100.0 * share
     );

@@ -1,5 +1,4 @@
 //! `photonmap picture`, and the pictures of a render.
-#![expect(clippy::print_stderr, reason = "the automatic exposure and the closing line go to standard error")]
 
 use std::path::{Path, PathBuf};
 
@@ -94,7 +93,7 @@ pub fn run(args: &PictureArgs) -> Result<(), Fault> {
     let (shown, denoised) = shown(&film, denoiser.as_ref());
     for path in &args.output {
         write(path, &shown, look, &attributes)?;
-        eprintln!("wrote {}: {} passes", path.display(), film.passes);
+        say!("wrote {}: {} passes", path.display(), film.passes);
     }
     denoised
 }
@@ -114,7 +113,7 @@ pub(super) fn shown<'a>(film: &'a Film, denoiser: Option<&Denoiser>) -> (Shown<'
     let Some(denoiser) = denoiser else { return (as_it_is(), Ok(())) };
     match denoiser.denoise(film) {
         Ok(denoised) => {
-            eprintln!("denoised by {}", denoised.note);
+            say!("denoised by {}", denoised.note);
             (Shown { film, pixels: denoised.pixels, note: Some(denoised.note) }, Ok(()))
         }
         Err(fault) => (as_it_is(), Err(fault)),
@@ -140,7 +139,7 @@ pub(super) fn write(path: &Path, shown: &Shown<'_>, look: Look, attributes: &[(S
     let attributes: Vec<(String, String)> = attributes.iter().cloned().chain(denoised).collect();
     let stops = write_colours(path, (shown.film, shown.pixels.clone()), look, &attributes)?;
     if let Some(stops) = stops.filter(|_| look.exposure == Exposure::Auto) {
-        eprintln!("exposure of {}: {stops:.2} stops", path.display());
+        say!("exposure of {}: {stops:.2} stops", path.display());
     }
     Ok(())
 }

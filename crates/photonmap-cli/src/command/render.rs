@@ -1,5 +1,4 @@
 //! `photonmap render`
-#![expect(clippy::print_stderr, reason = "warnings and the closing line go to standard error")]
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -49,7 +48,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let mut warnings = scene.warnings().to_vec();
     warnings.extend(started.warning.clone());
     let starving = starving(&scene, &*renderers[0]);
-    starving.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    starving.iter().for_each(|warning| say!("warning: {warning}"));
     warnings.extend(starving);
 
     let stop = interrupt()?;
@@ -83,7 +82,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     };
     let seconds_total = begun.elapsed().as_secs_f64();
     if let Some(warning) = too_deep(&outcome) {
-        eprintln!("warning: {warning}");
+        say!("warning: {warning}");
         warnings.push(warning);
     }
 
@@ -126,11 +125,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         }
     }
     if let (Some(cap), Some(peak)) = (args.machine.memory, memory::peak()) {
-        eprintln!(
-            "memory: {:.0} MiB at the peak, of {:.0} allowed",
-            peak as f64 / 1_048_576.0,
-            cap as f64 / 1_048_576.0
-        );
+        say!("memory: {:.0} MiB at the peak, of {:.0} allowed", peak as f64 / 1_048_576.0, cap as f64 / 1_048_576.0);
     }
     // The pictures are written even if the film could not be.
     if let Some((_, Err(_))) = &filed
@@ -141,7 +136,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let stopped = if outcome.cancelled { ", interrupted" } else { "" };
     let (passes, paths) = (outcome.passes, renderer.facts().photons);
     let written = if written.is_empty() { "nothing".to_owned() } else { written.join(", ") };
-    eprintln!("wrote {written}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}");
+    say!("wrote {written}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}");
     denoised
 }
 
@@ -329,7 +324,7 @@ fn chosen_pipeline<B: TransportBackend>(
     let allowed = Allowed { choices: !render_blocks::in_blocks(args), gathering: may_gather };
     let (renderer, chosen) = ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), within, allowed)?;
     if let Some(line) = chosen.line() {
-        eprintln!("{line}");
+        say!("{line}");
     }
     *settings = Settings { memory: settings.memory, ..chosen.settings.clone() };
     Ok((Box::new(renderer), chosen.is_told().then_some(chosen)))

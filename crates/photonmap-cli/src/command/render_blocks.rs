@@ -1,5 +1,4 @@
 //! Rendering in blocks of passes: into a film file, or on several devices.
-#![expect(clippy::print_stderr, reason = "the reached error goes to standard error")]
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;
@@ -173,7 +172,7 @@ pub(super) fn remaining(
     };
     progress.into_inner().finish();
     if let Ok(BlockOutcome { outcome: Outcome { reached: Some(reached), .. }, .. }) = &results {
-        eprintln!("{}", error_line("result", reached));
+        say!("{}", error_line("result", reached));
     }
     results
 }

@@ -1,5 +1,4 @@
 //! Rendering into a film file.
-#![expect(clippy::print_stderr, reason = "warnings go to standard error")]
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -71,12 +70,12 @@ pub(super) fn run(
     let named = |error| Fault::input(format!("{}: {error}", path.display()));
     let remaining = blocks.remaining(found, settings.seed).map_err(named)?;
     let Some(remaining) = remaining else {
-        eprintln!("{}: has all passes already", path.display());
+        say!("{}: has all passes already", path.display());
         let film = film.ok_or_else(|| Fault::failure("no passes"))?;
         return Ok(FilmOfRender { outcome: Outcome::default(), film, filed: Ok(true) });
     };
     if let Some(other) = info.makers.iter().find(|maker| maker.backend != facts.backend) {
-        eprintln!(
+        say!(
             "warning: {} was begun on the backend {}; a render on one backend has other bits",
             path.display(),
             other.backend
@@ -84,7 +83,7 @@ pub(super) fn run(
         info.in_order = false;
     }
     if let Some(film) = &film {
-        eprintln!("{}: continued after {} passes", path.display(), film.passes);
+        say!("{}: continued after {} passes", path.display(), film.passes);
     }
     let mut file = Checkpoints { path, info, args, begun: Instant::now(), written: Instant::now(), unsaved: false };
     file.info.add_maker(&Maker::new(PROGRAM, facts.backend, &device, 0.0));
@@ -100,7 +99,7 @@ pub(super) fn run(
     // The blocks before an error are in the file.
     let BlockOutcome { outcome, unfinished, .. } = results?;
     if film.is_none() {
-        eprintln!("{}: not written, since no block of {} passes was finished", path.display(), blocks.grain());
+        say!("{}: not written, since no block of {} passes was finished", path.display(), blocks.grain());
     }
     let film = film.or(unfinished).ok_or(photon_core::Error::Cancelled)?;
     Ok(FilmOfRender { outcome, film, filed })

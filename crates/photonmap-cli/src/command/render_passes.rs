@@ -1,5 +1,4 @@
 //! `photonmap render` on one device, without a film file: whole passes.
-#![expect(clippy::print_stderr, reason = "notes and the reached error go to standard error")]
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;
@@ -41,7 +40,7 @@ pub(super) fn run(
     // The same total number of photons, if the memory limit makes passes smaller.
     let each = renderer.facts().photons;
     if each < photons {
-        eprintln!("memory: {each} paths a pass fit the limit");
+        say!("memory: {each} paths a pass fit the limit");
         let more = |passes: u32| passes.saturating_mul(photons.div_ceil(each)).min(u32::MAX - 1);
         // A range is what it says.
         if let (Budget::Passes(passes), 0) = (&mut plan.until, plan.first) {
@@ -76,12 +75,12 @@ pub(super) fn run(
     let outcome = outcome?;
     if quick.is_some() && outcome.passes < plan.passes() && !outcome.cancelled {
         let (made, all) = (outcome.passes, plan.passes());
-        eprintln!(
+        say!(
             "a first look: {made} of {all} passes, since more would take longer than two seconds; --passes {all} makes all"
         );
     }
     if let Some(reached) = &outcome.reached {
-        eprintln!("{}", error_line("result", reached));
+        say!("{}", error_line("result", reached));
     }
     Ok(outcome)
 }

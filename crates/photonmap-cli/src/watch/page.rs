@@ -40,12 +40,11 @@ fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
 }
 
 impl Page {
-    #[expect(clippy::print_stderr, reason = "the address that was chosen")]
     pub(super) fn serve(address: SocketAddr, title: &str) -> Result<Self, Fault> {
         let server = Server::http(address)
             .map_err(|why| Fault::input(format!("--serve {address}: {why}; port 0 takes any free port")))?;
         let chosen = server.server_addr().to_ip().unwrap_or(address);
-        eprintln!("watch at http://{chosen}/");
+        say!("watch at http://{chosen}/");
         let server = Arc::new(server);
         let state = Arc::new(Mutex::new(State { title: title.to_owned(), ..State::default() }));
         let (theirs, shared) = (Arc::clone(&server), Arc::clone(&state));

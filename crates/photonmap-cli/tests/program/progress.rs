@@ -1,6 +1,6 @@
 //! Messages of the program during and after a render.
 
-use crate::support::{folder, render, stderr, stdout, succeeded};
+use crate::support::{folder, photonmap, render, stderr, stdout, succeeded};
 
 /// Without a terminal there is no bar, at most a line every few seconds, and the last line names the files written.
 #[test]
@@ -29,4 +29,41 @@ fn a_report_to_standard_output_stands_there_alone() {
     succeeded(&output);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["passes"], 1);
+}
+
+/// Nobody reads the messages, or their disk is full: the picture is written all the same.
+#[cfg(unix)]
+#[test]
+fn messages_that_cannot_be_written_end_nothing() {
+    use std::process::Stdio;
+    let folder = folder("nobody-reads");
+    let picture = folder.join("a.png");
+    let files = ["-o", picture.to_str().unwrap(), "--memory", "1GiB"];
+    let small = ["--size", "16x16", "--photons", "500", "--passes", "2", "--backend", "cpu", "--exposure", "auto"];
+    let mut sinks: Vec<(&str, Box<dyn Fn() -> Stdio>)> = vec![(
+        "a pipe that was closed",
+        Box::new(|| {
+            let (reader, writer) = std::io::pipe().unwrap();
+            drop(reader);
+            writer.into()
+        }),
+    )];
+    if std::path::Path::new("/dev/full").exists() {
+        sinks.push((
+            "a full disk",
+            Box::new(|| std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap().into()),
+        ));
+    }
+    for (what, sink) in sinks {
+        let _ = std::fs::remove_file(&picture);
+        let status = |arguments: &[&str]| {
+            let arguments = [arguments, &small, &files].concat();
+            photonmap("render").args(arguments).stderr(sink()).status().unwrap().code()
+        };
+        assert_eq!(status(&["cornell"]), Some(0), "{what}");
+        assert!(picture.exists(), "{what}");
+        // Errors of options and of inputs keep their code.
+        assert_eq!(status(&["cornell", "--no-such-option"]), Some(2), "{what}");
+        assert_eq!(status(&["none.obj"]), Some(2), "{what}");
+    }
 }

@@ -66,7 +66,11 @@ const WRITERS: [Step; 6] = [
         what: "write it from out/extremes-long.md, printed by `extremes --long` on another machine",
         run: extremes::elsewhere,
     },
-    Step { name: "requirements", what: "write docs/studies/requirements.md, some minutes", run: requirements::write },
+    Step {
+        name: "requirements",
+        what: "write docs/studies/data/requirements.txt, some minutes",
+        run: requirements::write,
+    },
 ];
 
 /// The steps with the given names, in that order; `ci` stands for all that a change must pass, `full` for those that are run

@@ -1,4 +1,4 @@
-//! Writes `docs/studies/requirements.md`: features that are not required cost nothing. Instructions on the CPU by
+//! Writes `docs/studies/data/requirements.txt`: features that are not required cost nothing. Instructions on the CPU by
 //! callgrind, of the shaders by `spirv-opt`; bytes, time and equality of bits by the study that prints the rows.
 
 use std::fmt::Write as _;
@@ -8,10 +8,7 @@ use photon_core::Features;
 
 use crate::shell;
 
-const FILE: &str = "docs/studies/requirements.md";
-
-/// The text before this line is handwritten and kept.
-const MARK: &str = "<!-- rows: written by `cargo xtask requirements` -->\n";
+const FILE: &str = "docs/studies/data/requirements.txt";
 
 /// The kernels that are specialised by features, and the GLSL line that declares them.
 const KERNELS: [&str; 6] =
@@ -53,16 +50,13 @@ const FEATURES: [(&str, Features); 23] = [
 
 /// Writes the document.
 pub(crate) fn write() -> Result<(), String> {
-    let path = shell::root().join(FILE);
-    let text = fs::read_to_string(&path).map_err(|error| format!("{FILE}: {error}"))?;
-    let at = text.find(MARK).ok_or_else(|| format!("{FILE} has no line {MARK:?}, behind which the rows stand"))?;
     for tool in ["valgrind", "spirv-opt", "spirv-dis", "glslangValidator"] {
         if !shell::present(&[tool, "--version"]) {
             return Err(format!("{tool} is not installed (Debian: valgrind, spirv-tools, glslang-tools)"));
         }
     }
     let rows = [cpu()?, shaders()?, measured(&[])?].join("\n");
-    fs::write(&path, format!("{}{MARK}\n{}\n", &text[..at], rows.trim_end())).map_err(|error| error.to_string())
+    fs::write(shell::root().join(FILE), format!("{}\n", rows.trim_end())).map_err(|error| format!("{FILE}: {error}"))
 }
 
 fn measured(arguments: &[&str]) -> Result<String, String> {

@@ -1,4 +1,4 @@
-//! Benefit and cost of each method of bias reduction: the tables of `docs/studies/debiasing.md`.
+//! Benefit and cost of each method of bias reduction: `docs/studies/data/debiasing.txt`.
 //!
 //! `debias SCENE [--backend cpu|vulkan] [--size N] [--seeds N] [--passes N] [--photons N] [--reference N]
 //! [--part area|gather|bandwidth|plane]`: Markdown rows of error, with and without. Errors are squared over the

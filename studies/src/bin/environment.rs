@@ -1,4 +1,4 @@
-//! Variance of shadow rays to environment maps: the tables of `docs/studies/environment.md`.
+//! Variance of shadow rays to environment maps: the table of `docs/studies/lights.md`.
 //!
 //! `environment FILE...` samples each image, and a dim map with one bright texel, as shadow rays do, and compares the
 //! irradiance of planes that face along the axes with the integral over the texels.

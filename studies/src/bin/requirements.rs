@@ -1,5 +1,5 @@
 //! Cost of each feature for a scene that has it, and for one that does not: `cargo xtask requirements` writes it
-//! to `docs/studies/requirements.md`.
+//! to `docs/studies/data/requirements.txt`.
 //!
 //! Bytes, time and equality of bits for each feature, with derived and with widened requirements, on every backend, in
 //! Markdown; of all scenes, or of those named. `--work SCENE derived|widened PATHS PASSES`: that many passes of that

@@ -1,6 +1,6 @@
 //! Where f32 loses digits, and when that becomes visible: the shipped CPU stages compared with their f64 twins.
 //!
-//! `examples/precision.rs` writes the tables and the plot of `docs/studies/precision.md`; part of it runs in the
+//! `examples/precision.rs` writes the tables and the plot of `docs/studies/data/precision.txt`; part of it runs in the
 //! ordinary tests, with bounds.
 
 pub mod fields;

@@ -1,7 +1,7 @@
 //! Every function of the GLSL library is compared with its Rust twin over a table of inputs.
 //!
 //! The bounds are stated once for each function, in [`table`] or, for functions that read tables of a scene, in a
-//! module of their own; and in `docs/studies/shaders.md`.
+//! module of their own; and in `docs/studies/data/shader-bounds.txt`.
 
 mod alpha;
 mod area;
@@ -182,10 +182,14 @@ fn every_function_is_within_its_bound_of_its_twin() {
 fn the_documentation_states_the_bounds() {
     // Read at run time: a moved target folder must not refer to the old checkout.
     let folder = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| "crates/backend-vulkan".into());
-    let text = std::fs::read_to_string(std::path::Path::new(&folder).join("../../docs/studies/shaders.md")).unwrap();
+    let text = std::fs::read_to_string(std::path::Path::new(&folder).join("../../docs/studies/data/shader-bounds.txt"))
+        .unwrap();
     for row in all_rows() {
         let line = format!("| {} | {} |", row.name, row.bound);
-        assert!(text.lines().any(|known| known == line), "docs/studies/shaders.md does not contain: {line}");
+        assert!(
+            text.lines().any(|known| known == line),
+            "docs/studies/data/shader-bounds.txt does not contain: {line}"
+        );
     }
 }
 

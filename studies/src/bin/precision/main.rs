@@ -1,5 +1,4 @@
-//! Writes the tables of `docs/studies/precision.md`, after its handwritten part, and its plot. Run it in release mode:
-//! it takes some minutes.
+//! Writes `docs/studies/data/precision.txt` and the plot of its tables. Run it in release mode: it takes some minutes.
 #![expect(clippy::print_stderr, reason = "progress goes to stderr")]
 
 mod plot;
@@ -9,9 +8,6 @@ use std::time::Instant;
 
 use photon_tests::precision::{Table, fields, stages, sweeps};
 use plot::{Line, Panel};
-
-/// The text before this line is kept.
-const MARK: &str = "<!-- tables: written by `cargo run --release -p studies --bin precision` -->\n";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("no workspace")?;
@@ -32,11 +28,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     add(&|| stages::near_one());
     add(&|| stages::pole(&[0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4]));
 
-    let file = root.join("docs/studies/precision.md");
-    let text = std::fs::read_to_string(&file)?;
-    let head = text.find(MARK).map(|at| &text[..at]).ok_or("docs/studies/precision.md has lost its mark")?;
     let body: Vec<String> = tables.iter().map(Table::markdown).collect();
-    std::fs::write(&file, format!("{head}{MARK}\n{}", body.join("\n")))?;
+    std::fs::write(root.join("docs/studies/data/precision.txt"), body.join("\n"))?;
     std::fs::write(root.join("docs/images/precision.svg"), picture(&tables))?;
     Ok(())
 }

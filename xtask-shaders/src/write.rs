@@ -21,6 +21,11 @@ pub(crate) fn files(modules: &[(&Shader, Vec<u32>)], names: &[&str]) -> Files {
     files
 }
 
+/// Kernels of tests and of an example: not in a release, where an edited one would invalidate the users' pipeline caches.
+fn is_test(name: &str) -> bool {
+    name.starts_with("probe_") || name.starts_with("example_")
+}
+
 fn table(names: &[&str]) -> String {
     let mut text =
         "//! The compiled shaders. Written by `cargo xtask shaders`.\n\nuse crate::device::Module;\n".to_owned();
@@ -29,14 +34,21 @@ fn table(names: &[&str]) -> String {
         let item = format!("pub(crate) static {}: Module =", name.to_uppercase());
         let value = format!("Module {{ name: \"{name}\", bytes: include_bytes!(\"../spirv/{name}.spv\") }};");
         let between = if item.len() + 1 + value.len() <= 120 { " " } else { "\n    " };
-        let _ = write!(text, "\n{item}{between}{value}\n");
+        let only = if is_test(name) { "#[cfg(test)]\n" } else { "" };
+        let _ = write!(text, "\n{only}{item}{between}{value}\n");
     }
-    let _ = writeln!(text, "\n/// All of them.\npub(crate) static ALL: [&Module; {}] = [", names.len());
-    for name in names {
-        let _ = writeln!(text, "    &{},", name.to_uppercase());
+    let (tests, kernels): (Vec<&str>, Vec<&str>) = names.iter().partition(|name| is_test(name));
+    list(&mut text, "/// Those of the pipeline.", "KERNELS", &kernels);
+    list(&mut text, "/// Those of tests and of the example.\n#[cfg(test)]", "TEST_KERNELS", &tests);
+    text
+}
+
+fn list(text: &mut String, head: &str, name: &str, modules: &[&str]) {
+    let _ = writeln!(text, "\n{head}\npub(crate) static {name}: [&Module; {}] = [", modules.len());
+    for module in modules {
+        let _ = writeln!(text, "    &{},", module.to_uppercase());
     }
     text.push_str("];\n");
-    text
 }
 
 /// Writes files that differ, and removes modules without a source.

@@ -5,6 +5,7 @@ use crate::device::Module;
 pub(crate) static DEVICE_COPY: Module =
     Module { name: "device_copy", bytes: include_bytes!("../spirv/device_copy.spv") };
 
+#[cfg(test)]
 pub(crate) static EXAMPLE_PHOTONS: Module =
     Module { name: "example_photons", bytes: include_bytes!("../spirv/example_photons.spv") };
 
@@ -89,77 +90,103 @@ pub(crate) static INDEX_VVH_PLAN: Module =
 pub(crate) static INDEX_VVH_SIDES: Module =
     Module { name: "index_vvh_sides", bytes: include_bytes!("../spirv/index_vvh_sides.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_ALPHA: Module =
     Module { name: "probe_alpha", bytes: include_bytes!("../spirv/probe_alpha.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_AREA: Module = Module { name: "probe_area", bytes: include_bytes!("../spirv/probe_area.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_BIAS: Module = Module { name: "probe_bias", bytes: include_bytes!("../spirv/probe_bias.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_BSDF: Module = Module { name: "probe_bsdf", bytes: include_bytes!("../spirv/probe_bsdf.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_ENVIRONMENT: Module =
     Module { name: "probe_environment", bytes: include_bytes!("../spirv/probe_environment.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_GLOSS_CAUSTICS: Module =
     Module { name: "probe_gloss_caustics", bytes: include_bytes!("../spirv/probe_gloss_caustics.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_GLOSSY: Module =
     Module { name: "probe_glossy", bytes: include_bytes!("../spirv/probe_glossy.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_KERNEL: Module =
     Module { name: "probe_kernel", bytes: include_bytes!("../spirv/probe_kernel.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_LAYOUT: Module =
     Module { name: "probe_layout", bytes: include_bytes!("../spirv/probe_layout.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_LIGHT_SAMPLER: Module =
     Module { name: "probe_light_sampler", bytes: include_bytes!("../spirv/probe_light_sampler.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_LIGHT_TREE: Module =
     Module { name: "probe_light_tree", bytes: include_bytes!("../spirv/probe_light_tree.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_MATH: Module = Module { name: "probe_math", bytes: include_bytes!("../spirv/probe_math.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_MEDIA: Module =
     Module { name: "probe_media", bytes: include_bytes!("../spirv/probe_media.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_OCTAHEDRAL: Module =
     Module { name: "probe_octahedral", bytes: include_bytes!("../spirv/probe_octahedral.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_OFFSET: Module =
     Module { name: "probe_offset", bytes: include_bytes!("../spirv/probe_offset.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_PHOTON_FORMAT: Module =
     Module { name: "probe_photon_format", bytes: include_bytes!("../spirv/probe_photon_format.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_PROJECTION: Module =
     Module { name: "probe_projection", bytes: include_bytes!("../spirv/probe_projection.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_RANDOM: Module =
     Module { name: "probe_random", bytes: include_bytes!("../spirv/probe_random.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_ROUGH_GLASS: Module =
     Module { name: "probe_rough_glass", bytes: include_bytes!("../spirv/probe_rough_glass.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_SAMPLING: Module =
     Module { name: "probe_sampling", bytes: include_bytes!("../spirv/probe_sampling.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_SHADE: Module =
     Module { name: "probe_shade", bytes: include_bytes!("../spirv/probe_shade.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_SHADING_NORMAL: Module =
     Module { name: "probe_shading_normal", bytes: include_bytes!("../spirv/probe_shading_normal.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_SHADOW_TERMINATOR: Module =
     Module { name: "probe_shadow_terminator", bytes: include_bytes!("../spirv/probe_shadow_terminator.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_SOLID_ANGLE: Module =
     Module { name: "probe_solid_angle", bytes: include_bytes!("../spirv/probe_solid_angle.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_TEXTURE: Module =
     Module { name: "probe_texture", bytes: include_bytes!("../spirv/probe_texture.spv") };
 
+#[cfg(test)]
 pub(crate) static PROBE_TRIANGLE: Module =
     Module { name: "probe_triangle", bytes: include_bytes!("../spirv/probe_triangle.spv") };
 
@@ -245,10 +272,9 @@ pub(crate) static STAGES_TRACE_ADVANCE: Module =
 pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
-/// All of them.
-pub(crate) static ALL: [&Module; 85] = [
+/// Those of the pipeline.
+pub(crate) static KERNELS: [&Module; 58] = [
     &DEVICE_COPY,
-    &EXAMPLE_PHOTONS,
     &FILM_ACCUMULATE,
     &FILM_BANDWIDTH_BIAS,
     &FILM_BANDWIDTH_CHANGE,
@@ -277,32 +303,6 @@ pub(crate) static ALL: [&Module; 85] = [
     &INDEX_VVH_PART,
     &INDEX_VVH_PLAN,
     &INDEX_VVH_SIDES,
-    &PROBE_ALPHA,
-    &PROBE_AREA,
-    &PROBE_BIAS,
-    &PROBE_BSDF,
-    &PROBE_ENVIRONMENT,
-    &PROBE_GLOSS_CAUSTICS,
-    &PROBE_GLOSSY,
-    &PROBE_KERNEL,
-    &PROBE_LAYOUT,
-    &PROBE_LIGHT_SAMPLER,
-    &PROBE_LIGHT_TREE,
-    &PROBE_MATH,
-    &PROBE_MEDIA,
-    &PROBE_OCTAHEDRAL,
-    &PROBE_OFFSET,
-    &PROBE_PHOTON_FORMAT,
-    &PROBE_PROJECTION,
-    &PROBE_RANDOM,
-    &PROBE_ROUGH_GLASS,
-    &PROBE_SAMPLING,
-    &PROBE_SHADE,
-    &PROBE_SHADING_NORMAL,
-    &PROBE_SHADOW_TERMINATOR,
-    &PROBE_SOLID_ANGLE,
-    &PROBE_TEXTURE,
-    &PROBE_TRIANGLE,
     &RAYS_NEAREST,
     &SCAN_ALONE,
     &SCAN_SUMS,
@@ -332,4 +332,36 @@ pub(crate) static ALL: [&Module; 85] = [
     &STAGES_TRACE,
     &STAGES_TRACE_ADVANCE,
     &STAGES_TRACE_REORDER,
+];
+
+/// Those of tests and of the example.
+#[cfg(test)]
+pub(crate) static TEST_KERNELS: [&Module; 27] = [
+    &EXAMPLE_PHOTONS,
+    &PROBE_ALPHA,
+    &PROBE_AREA,
+    &PROBE_BIAS,
+    &PROBE_BSDF,
+    &PROBE_ENVIRONMENT,
+    &PROBE_GLOSS_CAUSTICS,
+    &PROBE_GLOSSY,
+    &PROBE_KERNEL,
+    &PROBE_LAYOUT,
+    &PROBE_LIGHT_SAMPLER,
+    &PROBE_LIGHT_TREE,
+    &PROBE_MATH,
+    &PROBE_MEDIA,
+    &PROBE_OCTAHEDRAL,
+    &PROBE_OFFSET,
+    &PROBE_PHOTON_FORMAT,
+    &PROBE_PROJECTION,
+    &PROBE_RANDOM,
+    &PROBE_ROUGH_GLASS,
+    &PROBE_SAMPLING,
+    &PROBE_SHADE,
+    &PROBE_SHADING_NORMAL,
+    &PROBE_SHADOW_TERMINATOR,
+    &PROBE_SOLID_ANGLE,
+    &PROBE_TEXTURE,
+    &PROBE_TRIANGLE,
 ];

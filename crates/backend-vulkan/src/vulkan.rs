@@ -71,7 +71,7 @@ impl Vulkan {
     }
 
     fn over(device: Arc<Device>, disk_cache: bool) -> Result<Self> {
-        let disk = if disk_cache { DiskCache::of_user(&device.limits, &shaders::ALL) } else { None };
+        let disk = if disk_cache { DiskCache::of_user(&device.limits, &shaders::KERNELS) } else { None };
         Ok(Self {
             recorder: Recorder::new(&device)?,
             profile: Profile::new(&device)?,

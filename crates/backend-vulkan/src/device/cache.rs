@@ -149,23 +149,23 @@ mod tests {
         let Some(on) = Vulkan::for_tests() else { return };
         let file = |limits: &Limits, modules: &[&Module]| DiskCache::within(Path::new("f"), limits, modules).file;
         let limits = on.limits();
-        let plain = file(limits, &shaders::ALL);
-        assert_eq!(plain, file(limits, &shaders::ALL));
+        let plain = file(limits, &shaders::KERNELS);
+        assert_eq!(plain, file(limits, &shaders::KERNELS));
         let mut changed = [limits.clone(), limits.clone(), limits.clone()];
         changed[0].name.push('2');
         changed[1].driver.push('2');
         changed[2].cache_key[15] ^= 1;
         for limits in changed {
-            assert_ne!(plain, file(&limits, &shaders::ALL));
+            assert_ne!(plain, file(&limits, &shaders::KERNELS));
         }
-        assert_ne!(plain, file(limits, &shaders::ALL[1..]));
+        assert_ne!(plain, file(limits, &shaders::KERNELS[1..]));
     }
 
     #[test]
     fn what_was_kept_is_read_and_what_is_damaged_is_not() {
         let Some(on) = Vulkan::for_tests() else { return };
         let folder = Folder::new("damage");
-        let cache = DiskCache::within(&folder.0, on.limits(), &shaders::ALL);
+        let cache = DiskCache::within(&folder.0, on.limits(), &shaders::KERNELS);
         assert!(cache.read().is_empty());
         let data: Vec<u8> = (0..1000).map(|i| (i * i % 251) as u8).collect();
         cache.write(&data);
@@ -189,7 +189,7 @@ mod tests {
     fn pipelines_survive_a_corrupt_file() {
         let Some(mut on) = Vulkan::for_tests() else { return };
         let folder = Folder::new("pipelines");
-        let cache = DiskCache::within(&folder.0, on.limits(), &shaders::ALL);
+        let cache = DiskCache::within(&folder.0, on.limits(), &shaders::KERNELS);
         let make = |on: &mut Vulkan| {
             let mut pipelines = Pipelines::new(&on.device, Some(cache.clone())).unwrap();
             let begun = pipelines.begun_with();

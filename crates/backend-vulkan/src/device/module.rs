@@ -66,7 +66,7 @@ mod tests {
     /// Only the request is added, at the position that SPIR-V requires.
     #[test]
     fn the_request_to_keep_denormals_is_all_that_is_added() {
-        for module in shaders::ALL {
+        for module in shaders::KERNELS.iter().chain(&shaders::TEST_KERNELS) {
             let plain = module.words();
             // Part of core SPIR-V, without an extension, since version 1.4.
             assert!(plain[1] >= 0x0001_0400, "{}", module.name);

@@ -102,8 +102,6 @@ struct Camera {
     float lens_radius;
     vec3 up;
     float focus_distance;
-    vec2 pixel_margin;
-    uint reserved[2];
 };
 
 struct TextureUse {

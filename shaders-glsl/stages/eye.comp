@@ -199,10 +199,8 @@ void main() {
     if (x >= push.width || y >= push.end_row) return;
     uint pixel = y * push.width + x;
     uvec4 jitter = words(pixel, 0, BLOCK_START);
-    vec2 margin = push.camera.at.pixel_margin;
-    precise vec2 part = margin + (1.0 - 2.0 * margin) * vec2(unit_f32(jitter.x), unit_f32(jitter.y));
-    precise float across = 2.0 * (float(x) + part.x) / float(push.width) - 1.0;
-    precise float down = 2.0 * (float(y) + part.y) / float(push.height) - 1.0;
+    precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
+    precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
     Ray ray;
     if (THIN_LENS) ray = lens_ray(across, -down, jitter.zw);
     else ray = camera_ray(across, -down);

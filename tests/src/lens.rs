@@ -137,52 +137,6 @@ pub fn l3_invalid_lenses<T: TestBackend>() {
     }
 }
 
-/// A screen whose edge lies at 0.85 of the width of a column of pixels, with margins.
-fn edge_within_pixels<T: TestBackend>(pixel_margin: [f32; 2], is_rolled: bool, passes: u32) -> f64 {
-    let mut camera = screen().camera(None, SIZE, SIZE).unwrap();
-    // The edge is where x is −0.15 of the width 2/16 of a pixel.
-    let shift = 0.15 * 2.0 / SIZE as f32;
-    camera.forward = std::array::from_fn(|axis| camera.forward[axis] + shift * camera.right[axis]);
-    camera.pixel_margin = pixel_margin;
-    if is_rolled {
-        // Left is up.
-        (camera.right, camera.up) = (camera.up, camera.right.map(|part| -part));
-    }
-    let film = picture::<T>(camera, passes);
-    let glow = film.layer(Layer::Emission);
-    let pixel = |k: u32| if is_rolled { (SIZE / 2 - 1) * SIZE + k } else { k * SIZE + SIZE / 2 - 1 };
-    (0..SIZE).map(|k| f64::from(glow[pixel(k) as usize][0])).sum::<f64>() / f64::from(SIZE)
-}
-
-/// Rays keep away from the edges of pixels by the margin of that axis, in columns and in rows.
-pub fn l4_margins_of_pixels<T: TestBackend>() {
-    let passes = 64;
-    let samples = f64::from(SIZE * passes);
-    for is_rolled in [false, true] {
-        let found = |across: f32, other: f32| {
-            let margin = if is_rolled { [other, across] } else { [across, other] };
-            edge_within_pixels::<T>(margin, is_rolled, passes)
-        };
-        for (across, other, expected) in [(0.0, 0.0, 0.85), (0.1, 0.0, 0.75 / 0.8), (0.0, 0.3, 0.85)] {
-            let share = found(across, other);
-            let error = (expected * (1.0 - expected) / samples).sqrt();
-            assert!(agrees(share, expected, error, 1e-5), "{is_rolled} {across} {other}: {share}");
-            // The comparison tells these margins apart.
-            let wrong = if across > 0.0 { 0.85 } else { 0.75 / 0.8 };
-            assert!(!agrees(share, wrong, error, 1e-5), "{share}");
-        }
-        // Rays from 0.2 to 0.8 of the width do not meet the edge.
-        assert!((found(0.2, 0.0) - 1.0).abs() < 1e-6);
-    }
-    let bad = Camera { pixel_margin: [0.5, 0.0], ..screen().camera(None, SIZE, SIZE).unwrap() };
-    let view = View { camera: bad, width: SIZE, height: SIZE };
-    match Pipeline::new(T::make(1), &screen().view(), view, settings()) {
-        Err(Error::InvalidSetting { name, .. }) => assert_eq!(name, "pixel_margin"),
-        Err(other) => panic!("{other}"),
-        Ok(_) => panic!("accepted"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,7 +14,6 @@ pub mod backends;
 pub mod blocks;
 pub mod bright_texels;
 pub mod caustic_roughness;
-pub mod choice;
 pub mod clearcoat;
 mod closed_room;
 pub mod coated_lights;
@@ -129,11 +128,6 @@ macro_rules! whole_suite {
                 a6_fixed_radius_mean_and_variance, a7_bias_of_curvature, a8_loss_at_edges, a9_no_bias_on_a_sphere,
                 a12_progressive_variance, a13_threshold_darkens,
             }
-            choice::{
-                chosen_settings_make_the_same_bits, gather_rays_make_the_same_bits, passes_and_errors_are_times,
-                wide_radii_are_left_out_for_small_caustics,
-                noise_of_camera_paths_is_forecast, nothing_to_choose_changes_nothing,
-            }
             footprint::{ a15_spots_narrower_than_a_pixel_are_found, a16_radii_are_at_least_half_a_pixel }
             direct::{
                 b1_point_light, b2_flux_through_a_disc, b3_lambertian_disc, b4_rectangle, b5_form_factors,
@@ -240,7 +234,7 @@ macro_rules! whole_suite {
                 g11_aimed_at_a_mirror,
             }
             mirrors_and_glass::{ in_an_even_environment, a_light_in_a_mirror }
-            lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses, l4_margins_of_pixels }
+            lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
             views::{ v1_hand_filled_views_are_checked }
             blocks::{ films_of_blocks }
             display::{ pictures_while_rendering_are_those_of_the_film }

@@ -35,29 +35,6 @@ pub const PASSES: u32 = 32;
 /// `--preset preview` has fewer passes on the CPU if they would end later than this after the start of the program.
 const QUICK_LOOK: Duration = Duration::from_secs(2);
 
-/// What settings are chosen for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Purpose {
-    /// The least error after `--time`.
-    Time(f64),
-    /// The least error in the time that the passes of a preset would take.
-    Preset(Preset),
-    /// The least time until `--target-error` is reached.
-    Target(f64),
-}
-
-impl Purpose {
-    /// The option that it stands for.
-    #[must_use]
-    pub const fn option(self) -> &'static str {
-        match self {
-            Self::Time(_) => "--time",
-            Self::Preset(_) => "--preset",
-            Self::Target(_) => "--target-error",
-        }
-    }
-}
-
 /// The options that determine the settings.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SettingsArgs {
@@ -111,10 +88,7 @@ pub struct RenderArgs {
     pub explain: bool,
 }
 
-/// Show what a scene requires with these settings, what is left out and why; with `--time`, `--preset` or `--target-error`, also which
-/// settings are chosen.
-///
-/// No picture is made. Settings are chosen by trials in the scene, on the machine's backend.
+/// Show what a scene requires with these settings, what is left out and why. No picture is made.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "explain")]
 pub struct ExplainArgs {
@@ -207,27 +181,6 @@ impl SettingsArgs {
         let budget = &self.budget;
         let others = budget.target_error.is_some() || budget.total_photons.is_some() || budget.preset.is_some();
         budget.time.is_some() && budget.passes.is_none() && !others
-    }
-
-    /// What settings that are not given are chosen for, by trials in the scene.
-    #[must_use]
-    pub fn purpose(&self) -> Option<Purpose> {
-        let BudgetArgs { preset, target_error, time, passes, total_photons, errors, .. } = self.budget;
-        if self.is_timed() {
-            // Error estimates are wanted with the settings that are best for them.
-            return time.filter(|_| !errors).map(Purpose::Time);
-        }
-        let derived = self.estimate.radius.is_none()
-            && matches!(self.estimate.estimator, Estimator::Radius { .. })
-            && self.light.irradiance_every.is_none()
-            && self.light.indirect.is_none_or(|indirect| indirect == Indirect::Map);
-        match (preset, target_error, time) {
-            _ if !derived || passes.is_some() || total_photons.is_some() => None,
-            (None, Some(target), _) => Some(Purpose::Target(target)),
-            // Trials take as long as the few passes of a preview.
-            (Some(preset @ (Preset::Balanced | Preset::Final)), None, None) => Some(Purpose::Preset(preset)),
-            _ => None,
-        }
     }
 
     /// The estimator with its parameters from the options.

@@ -4,8 +4,6 @@ use photon_core::{Film, FluxSum, Forecast, LightShare, Outcome, PerMap, Render, 
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
-use crate::command::chosen::ChosenSettings;
-
 /// Contents of the report besides those of the renderer.
 #[derive(Debug)]
 pub struct Details<'a> {
@@ -37,10 +35,6 @@ pub struct Details<'a> {
     pub seconds_start: f64,
     /// Seconds spent opening the device, most of them while the scene is loaded; 0 for several devices.
     pub seconds_device: f64,
-    /// Seconds of trials by which settings are chosen.
-    pub seconds_trials: f64,
-    /// What was chosen for a time, a preset or a target.
-    pub chosen: Option<&'a ChosenSettings>,
     /// Seconds from the first pass to the film on the host.
     pub seconds_passes: f64,
     /// Seconds from start to finished film.
@@ -125,14 +119,13 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         "seconds": seconds_of(&facts.setup, details),
         "photons_per_second": if tracing > 0.0 { tally.emitted as f64 / tracing } else { 0.0 },
         "grain": details.grain,
-        "chosen": details.chosen.map(|chosen| chosen.json(outcome.passes)),
         "settings": details.settings,
         "report": details.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": details.warnings,
     })
 }
 
-/// Wall-clock seconds. `start` contains those from `prepare` to `trials`, and what of `device` is left after loading. On a GPU,
+/// Wall-clock seconds. `start` contains those from `prepare` to `pilot`, and what of `device` is left after loading. On a GPU,
 /// `bvh` may be spent while the device is opened.
 fn seconds_of(setup: &StageTimings, details: &Details<'_>) -> Value {
     let seconds = |stage: Stage| details.outcome.seconds.get(stage);
@@ -143,10 +136,9 @@ fn seconds_of(setup: &StageTimings, details: &Details<'_>) -> Value {
         "prepare": setup.get(Stage::Prepare),
         "bvh": setup.get(Stage::Bvh),
         "project": setup.get(Stage::Project),
-        // Where they are needed first, which may be in the pilot pass or in others; those of trials count as trials.
+        // Where they are needed first, which may be in the pilot pass or in others.
         "pipelines": setup.get(Stage::Compile) + seconds(Stage::Compile),
         "pilot": setup.without_scene(),
-        "trials": details.seconds_trials,
         "passes": details.seconds_passes,
         "emit+trace": seconds(Stage::Emit) + seconds(Stage::Trace),
         "build": seconds(Stage::Build),

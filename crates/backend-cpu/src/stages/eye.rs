@@ -155,10 +155,8 @@ impl Eye<'_> {
     pub(super) fn first<const LENS: bool>(&self, x: u32, y: u32) -> Path {
         let [a, b, c, d] = self.sampler(y * self.view.width + x, 0).words(BLOCK_START);
         let camera = &self.view.camera;
-        let part = |margin: f32, word| margin + (1.0 - 2.0 * margin) * unit_f32(word);
-        let [margin_x, margin_y] = camera.pixel_margin;
-        let across = 2.0 * (x as f32 + part(margin_x, a)) / self.view.width as f32 - 1.0;
-        let down = 2.0 * (y as f32 + part(margin_y, b)) / self.view.height as f32 - 1.0;
+        let across = 2.0 * (x as f32 + unit_f32(a)) / self.view.width as f32 - 1.0;
+        let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;
         let ray = if LENS { lens_ray(camera, across, -down, [c, d]) } else { camera_ray(camera, across, -down) };
         Path {
             ray,

@@ -54,7 +54,7 @@ fn records() -> Vec<Record> {
         record!(Material: albedo kind emission flags medium ior textures metallic roughness specular alpha alpha_cutoff),
         record!(Medium: absorption ior priority reserved),
         record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),
-        record!(Camera: origin kind forward media right lens_radius up focus_distance pixel_margin reserved),
+        record!(Camera: origin kind forward media right lens_radius up focus_distance),
         record!(TextureUse: transform texture_index uv_set),
         record!(MaterialTextures: base_color emission normal normal_scale metallic_roughness alpha specular specular_color
             specular_color_factor clearcoat_factor

@@ -90,7 +90,6 @@ pub struct Pipeline<B: TransportBackend> {
 
 mod aimed;
 mod check;
-pub(crate) mod choice;
 mod end;
 mod estimate;
 mod fit;
@@ -303,12 +302,6 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         pipeline.setup = pipeline.on.timings()?;
         Ok(pipeline)
-    }
-
-    /// Number of queries that the pixels of a picture have at most.
-    fn queries_of(&self, view: View) -> u64 {
-        let per_pixel = if self.required.features.splits_camera_paths() { u64::from(QUERIES_PER_PIXEL) } else { 1 };
-        u64::from(view.width) * u64::from(view.height) * per_pixel
     }
 
     fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {

@@ -106,7 +106,7 @@ struct Marking {
 impl ProjectionMap {
     /// Aiming is worthwhile in addition to other paths if at most this share of the light could reach a
     /// specular surface, and most of that light a smooth one: more photons make derived radii smaller, and the error
-    /// of sharp caustics is mostly bias (docs/studies/choices.md). The light of an environment counts as a whole.
+    /// of sharp caustics is mostly bias. The light of an environment counts as a whole.
     pub const WORTH: f64 = 0.5;
 
     /// The same where mirrors and smooth glass are not what most of that light could reach: caustics of rough surfaces are
@@ -114,7 +114,7 @@ impl ProjectionMap {
     pub const WORTH_ROUGH: f64 = 0.05;
 
     /// Density of aimed photons over that of the photons of other paths, unless that takes less than a quarter or more
-    /// than twice the number of these (docs/studies/choices.md).
+    /// than twice the number of these.
     const DENSITY: f64 = 10.0;
 
     /// Number of aimed paths beside `photons` others, with `share` of the light in marked cells.

@@ -26,7 +26,7 @@ const DIAGONAL: f64 = 1.732_050_807_568_877_2;
 /// Widths of the pixels of a view.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Footprint {
-    /// The view with at most [`MOST_PIXELS`] pixels, which have no margins.
+    /// The view with at most [`MOST_PIXELS`] pixels.
     pub(crate) joined: View,
     /// Half the width and height of the picture, at distance 1 or everywhere.
     half: [f64; 2],
@@ -46,11 +46,8 @@ impl Footprint {
         let short = reduced(view.width.min(view.height), MOST_PIXELS);
         let long = reduced(view.width.max(view.height), MOST_PIXELS / f64::from(short));
         let (width, height) = if view.width < view.height { (short, long) } else { (long, short) };
-        let joined = View { camera: Camera { pixel_margin: [0.0; 2], ..view.camera }, width, height };
-        let unit = |view: &View| {
-            let [x, y] = view.camera.pixel_margin.map(|margin| 1.0 - 2.0 * f64::from(margin));
-            (2.0 * half[0] / f64::from(view.width) * x).min(2.0 * half[1] / f64::from(view.height) * y)
-        };
+        let joined = View { camera: view.camera, width, height };
+        let unit = |view: &View| (2.0 * half[0] / f64::from(view.width)).min(2.0 * half[1] / f64::from(view.height));
         Self { joined, half, unit: unit(&joined), part: unit(view) / unit(&joined) }
     }
 
@@ -187,11 +184,6 @@ mod tests {
         assert_eq!((row.joined.width, row.joined.height), (16_384, 1));
         let column = Footprint::new(&View { width: 1, height: 100_000, ..small });
         assert_eq!((column.joined.width, column.joined.height), (1, 16_384));
-        // Margins make the pixels of the picture narrower, not those that are searched.
-        let camera = Camera { pixel_margin: [0.25, 0.0], ..small.camera };
-        let narrow = Footprint::new(&View { camera, ..large });
-        assert_eq!(narrow.joined, footprint.joined);
-        assert!((narrow.part / footprint.part - 0.5).abs() < 1e-9);
     }
 
     /// No bound is above the one that is compared first.

@@ -28,12 +28,6 @@ pub struct Camera {
     pub up: [f32; 3],
     /// Distance along `forward` of the plane that is in focus, normalised space, above 0. Without a lens it is not read.
     pub focus_distance: f32,
-    /// The part of a pixel's width, and that of its height, at each of its edges through which no camera ray passes, in `[0, 0.5)`;
-    /// 0: rays pass through all of the pixel. [`crate::Pipeline::choose`] renders few pixels, which are thereby as wide as those of
-    /// the whole picture.
-    pub pixel_margin: [f32; 2],
-    /// Zero.
-    pub reserved: [u32; 2],
 }
 
 impl Camera {
@@ -50,11 +44,11 @@ impl Camera {
         if has_lens { Features::THIN_LENS } else { Features::NONE }
     }
 
-    /// Checks the lens and the margin of pixels.
+    /// Checks the lens.
     ///
     /// # Errors
     /// [`Error::InvalidSetting`] for a radius that is negative or not finite, a lens without a positive, finite distance of
-    /// the plane in focus, a lens of an orthographic camera, and a margin outside of `[0, 0.5)`.
+    /// the plane in focus, and a lens of an orthographic camera.
     pub fn check(&self) -> Result<()> {
         let wrong = |name, value: f32, hint| Err(Error::InvalidSetting { name, value: value.to_string(), hint });
         let (radius, focus) = (self.lens_radius, self.focus_distance);
@@ -67,9 +61,6 @@ impl Camera {
         if radius > 0.0 && !(focus > 0.0 && focus.is_finite()) {
             return wrong("focus_distance", focus, "it must be a finite number above 0");
         }
-        if let Some(&margin) = self.pixel_margin.iter().find(|margin| !(0.0..0.5).contains(*margin)) {
-            return wrong("pixel_margin", margin, "it must be at least 0 and less than 0.5");
-        }
         Ok(())
     }
 }
@@ -79,23 +70,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lenses_and_margins_are_checked() {
+    fn lenses_are_checked() {
         let lens = |lens_radius, focus_distance| Camera { lens_radius, focus_distance, ..Camera::default() };
         for good in [lens(0.0, 0.0), lens(0.0, f32::NAN), lens(0.1, 2.0)] {
             assert!(good.check().is_ok(), "{good:?}");
         }
         let flat = Camera { kind: Camera::ORTHOGRAPHIC, ..lens(0.1, 1.0) };
-        let margins = |pixel_margin| Camera { pixel_margin, ..Camera::default() };
-        assert!(margins([0.0, 0.49]).check().is_ok());
         let bad = [lens(-0.1, 1.0), lens(f32::NAN, 1.0), lens(f32::INFINITY, 1.0), flat];
         for (bad, name) in bad.map(|bad| (bad, "lens_radius")).into_iter().chain([
             (lens(0.1, 0.0), "focus_distance"),
             (lens(0.1, -1.0), "focus_distance"),
             (lens(0.1, f32::NAN), "focus_distance"),
             (lens(0.1, f32::INFINITY), "focus_distance"),
-            (margins([0.5, 0.0]), "pixel_margin"),
-            (margins([0.0, -0.1]), "pixel_margin"),
-            (margins([0.0, f32::NAN]), "pixel_margin"),
         ]) {
             let error = bad.check().unwrap_err().to_string();
             assert!(error.contains(name), "{error}");

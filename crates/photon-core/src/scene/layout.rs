@@ -180,7 +180,7 @@ elements!(
     Material = 64,
     Medium = 64,
     Light = 64,
-    Camera = 80,
+    Camera = 64,
     TextureUse = 32,
     MaterialTextures = 64,
     Anisotropy = 16,

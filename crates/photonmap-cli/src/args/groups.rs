@@ -106,9 +106,7 @@ pub struct BudgetArgs {
     /// precedence.
     ///
     /// `preview` makes four passes, or with --backend cpu as many as end within two seconds from the start, at least one; not
-    /// with --film or --grain, where it makes four. For `balanced` and `final`, trials in the scene choose what has the least error in the time that the preset's own passes
-    /// would take, and fix the number of passes. Nothing is chosen with --passes, --total-photons, --time, --target-error,
-    /// --film, --grain, several devices, another --estimator, --radius, --irradiance-every or --indirect gather.
+    /// with --film or --grain, where it makes four.
     #[arg(long, value_parser = choice::<Preset>(Preset::ALL.map(Preset::name)))]
     pub preset: Option<Preset>,
     /// Number of passes, or a range such as 64..128 [default: 32, that of the preset, or as many as --time allows].
@@ -118,19 +116,13 @@ pub struct BudgetArgs {
     pub passes: Option<PassRange>,
     /// Time limit in seconds, from start to finished file.
     ///
-    /// Passes are rendered until the time is used up. Unless --preset, --passes or a target is given, --photons, --area,
-    /// --radius-factor and --bandwidth are chosen by trials in the scene, and reported as options (`photonmap explain` shows
-    /// them without rendering); if their trials take little of the time, --indirect and --gather-rays too. With --errors,
-    /// --area and --bandwidth are those of the preset `final`, and --photons is two per pixel, at most 200k; under an
-    /// environment an eighth of that if photons bring little of the light.
+    /// Passes are rendered until the time is used up.
     #[arg(long, value_name = "SECONDS")]
     pub time: Option<f64>,
     /// Stop at this relative error, such as 0.05.
     ///
     /// The error is an estimated bound for each pixel, relative to its radiance, or to a tenth of the picture's mean
-    /// where the pixel is darker. --passes and --time are then upper limits. Unless --passes, --preset
-    /// or what excludes trials for a preset is given, there are at most four --photons per pixel, and --area and
-    /// --radius-factor are chosen by trials.
+    /// where the pixel is darker. --passes and --time are then upper limits.
     #[arg(long, value_name = "E")]
     pub target_error: Option<f64>,
     /// Fraction of the pixels with an error estimate that must reach --target-error.
@@ -231,7 +223,7 @@ pub struct LightArgs {
     /// Direct light: by shadow rays (next event estimation), from a photon map, or none.
     #[arg(long, default_value = "nee", value_parser = choice::<Direct>(Direct::ALL.map(Direct::name)), hide_short_help = true)]
     pub direct: Direct,
-    /// Indirect light: from the global photon map, by final gathering, or none [default: map, or chosen for --time].
+    /// Indirect light: from the global photon map, by final gathering, or none [default: map].
     #[arg(long, value_parser = choice::<Indirect>(Indirect::ALL.map(Indirect::name)), hide_short_help = true)]
     pub indirect: Option<Indirect>,
     /// Shadow rays per visible point and pass [default: 2].
@@ -242,7 +234,7 @@ pub struct LightArgs {
     /// Coarse meshes then have a blocky edge of the shadow on their own dark side, as light by photons has.
     #[arg(long, hide_short_help = true)]
     pub no_terminator_offset: bool,
-    /// Final-gather rays per visible point and pass [default: 8, or chosen for --time].
+    /// Final-gather rays per visible point and pass [default: 8].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub gather_rays: Option<u32>,
     /// Precompute irradiance at every N-th photon, for final-gather rays to look up.

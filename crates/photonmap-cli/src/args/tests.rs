@@ -134,36 +134,6 @@ fn a_first_look_is_quick() {
 }
 
 #[test]
-fn what_is_left_open_is_chosen_for_times_presets_and_targets() {
-    let purpose = |arguments: &[&str]| args(arguments).unwrap().settings.purpose();
-    for (arguments, expected) in [
-        (&["--time", "5"][..], Some(Purpose::Time(5.0))),
-        (&["--preset", "balanced"], Some(Purpose::Preset(Preset::Balanced))),
-        (&["--preset", "final", "--errors"], Some(Purpose::Preset(Preset::Final))),
-        (&["--target-error", "0.1"], Some(Purpose::Target(0.1))),
-        (&["--target-error", "0.1", "--time", "5"], Some(Purpose::Target(0.1))),
-        (&[], None),
-        (&["--time", "5", "--errors"], None),
-        (&["--time", "5", "--preset", "final"], None),
-        (&["--preset", "preview"], None),
-        (&["--preset", "final", "--target-error", "0.1"], None),
-    ] {
-        assert_eq!(purpose(arguments), expected, "{arguments:?}");
-        // A number of passes means these passes.
-        assert_eq!(purpose(&[arguments, &["--passes", "7"]].concat()), None, "{arguments:?}");
-    }
-    for fixed in [
-        ["--radius", "0.1"],
-        ["--estimator", "knn"],
-        ["--irradiance-every", "4"],
-        ["--total-photons", "1M"],
-        ["--indirect", "gather"],
-    ] {
-        assert_eq!(purpose(&[&["--preset", "final"][..], &fixed].concat()), None, "{fixed:?}");
-    }
-}
-
-#[test]
 fn absurd_values_are_refused() {
     for bad in [
         vec!["--k", "0"],

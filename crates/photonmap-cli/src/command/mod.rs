@@ -1,26 +1,21 @@
 //! The commands of `photonmap`.
 
-mod choice_error;
-pub mod chosen;
 pub mod compare;
 pub mod devices;
 pub mod explain;
 pub mod export;
-mod gathering;
 pub mod info;
 pub mod manual;
 pub mod map;
 mod map_search;
 pub mod merge;
 pub mod outlook;
-mod photon_share;
 pub mod picture;
 pub mod render;
 mod render_blocks;
 mod render_film;
 mod render_passes;
 pub mod scenes;
-mod timed;
 
 use std::process::ExitCode;
 
@@ -84,13 +79,13 @@ fn run(command: &Command) -> Result<(), Fault> {
         Command::Render(args) if args.devices => devices::run(),
         Command::Render(args) if args.explain => {
             let (scene, settings, machine) = (args.scene.clone(), args.settings.clone(), args.machine.clone());
-            explain::run(&ExplainArgs { scene, settings, machine }, render_blocks::in_blocks(args))
+            explain::run(&ExplainArgs { scene, settings, machine })
         }
         Command::Render(args) => render::run(args),
         Command::Map(args) => map::run(args),
         Command::Scenes => scenes::run(),
         Command::Devices => devices::run(),
-        Command::Explain(args) => explain::run(args, false),
+        Command::Explain(args) => explain::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Export(args) => export::run(args),
         Command::Merge(args) => merge::run(args),

@@ -10,8 +10,6 @@ use photon_scene::{CompressedTree, LoadReport, Scene};
 
 use crate::args::{MachineArgs, RenderArgs};
 use crate::backend::{self, Chosen, Opened};
-use crate::command::choice_error::{ChoiceError, with_or_without_gathering};
-use crate::command::chosen::{Allowed, ChosenSettings};
 use crate::command::picture::{self, Look, Shown};
 use crate::command::{render_blocks, render_film, render_passes};
 use crate::denoise::Denoiser;
@@ -28,7 +26,7 @@ use crate::{atomic_write, load, memory, stdout};
 /// [`Fault::Failure`] if rendering or writing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     args.files.check()?;
-    let mut settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
+    let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     let outputs = outputs(args)?;
     render_blocks::check(args, &settings)?;
     render_film::check(args)?;
@@ -43,10 +41,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let look = Look { transparent: args.files.transparent, exposure, tonemap: args.files.tonemap };
     let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
     let view = args.settings.picture.view(&scene)?;
-    let (mut renderers, started) = start((args, begun), opened, &scene, view, &mut settings)?;
+    let (mut renderers, seconds_device) = start(args, opened, &scene, view, &settings)?;
     let ready = Instant::now();
     let mut warnings = scene.warnings().to_vec();
-    warnings.extend(started.warning.clone());
     let starving = starving(&scene, &*renderers[0]);
     starving.iter().for_each(|warning| say!("warning: {warning}"));
     warnings.extend(starving);
@@ -63,12 +60,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         }
         None => {
             let renderer = &mut *renderers[0];
-            let chosen = started.chosen.as_ref().and_then(ChosenSettings::passes);
-            (
-                render_passes::run((args, chosen), settings.photons, renderer, begun, (&mut watch, &stop))?,
-                renderer.film()?,
-                None,
-            )
+            (render_passes::run(args, settings.photons, renderer, begun, (&mut watch, &stop))?, renderer.film()?, None)
         }
     };
     let seconds_passes = ready.elapsed().as_secs_f64();
@@ -100,9 +92,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         lights: &photon_core::light_shares(&scene.view()),
         seconds_load,
         seconds_start: (ready - begun).as_secs_f64() - seconds_load,
-        seconds_device: started.device,
-        seconds_trials: started.chosen.as_ref().map_or(0.0, |chosen| chosen.trials),
-        chosen: started.chosen.as_ref(),
+        seconds_device,
         seconds_passes,
         seconds_total,
     };
@@ -187,16 +177,6 @@ pub(super) fn open(machine: &MachineArgs) -> Result<(Opened, f64), Fault> {
     Ok((opened?, begun.elapsed().as_secs_f64()))
 }
 
-/// What renderers do not know of the start: the seconds of opening the device, and what was chosen.
-#[derive(Default)]
-struct Started {
-    device: f64,
-    /// With `--time`, `--preset` and `--target-error`.
-    chosen: Option<ChosenSettings>,
-    /// What was reported.
-    warning: Option<String>,
-}
-
 /// The output files, checked before anything is rendered.
 fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
     if args.files.output.is_empty() && args.film.film.is_some() {
@@ -268,16 +248,15 @@ fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
     few.map(warning).collect()
 }
 
-/// A renderer for each device, at least one; settings that are left to the program are chosen for the scene.
+/// A renderer for each device, at least one, and the seconds of opening it; 0 for several.
 fn start(
-    (args, begun): (&RenderArgs, Instant),
+    args: &RenderArgs,
     opened: Option<(Opened, f64)>,
     scene: &Scene,
     view: View,
-    settings: &mut Settings,
-) -> Result<(Vec<Box<dyn Render>>, Started), Fault> {
+    settings: &Settings,
+) -> Result<(Vec<Box<dyn Render>>, f64), Fault> {
     if args.machine.several() {
-        let settings = &*settings;
         let devices = backend::open_devices(&args.machine.device)?;
         // The devices of one host compile their kernels at the same time.
         return std::thread::scope(|threads| {
@@ -287,47 +266,23 @@ fn start(
                 .into_iter()
                 .map(|renderer| renderer.join().map_err(|_| Fault::failure("a device failed"))?)
                 .collect::<Result<_, _>>()?;
-            Ok((renderers, Started::default()))
+            Ok((renderers, 0.0))
         });
     }
     let (opened, device) = opened.map_or_else(|| open(&args.machine), Ok)?;
-    let besides = memory::besides(args.settings.picture.size);
-    let mut on = Some(opened.report());
+    let on = opened.report();
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
-    let started = with_or_without_gathering(|may_gather| {
-        // A failed attempt consumes the backend; it is opened again.
-        let on = on.take().map_or_else(|| open(&args.machine).map(|(opened, _)| opened.silent()), Ok)?;
-        match on {
-            Chosen::Cpu(on) => {
-                // It counts the texels, which it shares with the scene: they are resident already.
-                let memory = memory.map(|bytes| bytes.saturating_add(memory::texels(scene)));
-                chosen_pipeline(on, (args, begun, may_gather), scene, view, memory, settings)
-            }
-            Chosen::Vulkan(on) => chosen_pipeline(*on, (args, begun, may_gather), scene, view, memory, settings),
+    let within = |memory| Settings { memory, ..settings.clone() };
+    let renderer = match on {
+        // It counts the texels, which it shares with the scene: they are resident already.
+        Chosen::Cpu(on) => {
+            pipeline(on, scene, view, &within(memory.map(|bytes| bytes.saturating_add(memory::texels(scene)))))
         }
-    });
-    let ((renderer, chosen), warning) = started.map_err(|fault| fault.within(args.machine.memory, besides))?;
-    Ok((vec![renderer], Started { device, chosen, warning }))
-}
-
-/// A renderer, and what was chosen.
-fn chosen_pipeline<B: TransportBackend>(
-    on: B,
-    (args, begun, may_gather): (&RenderArgs, Instant, bool),
-    scene: &Scene,
-    view: View,
-    memory: Option<u64>,
-    settings: &mut Settings,
-) -> Result<(Box<dyn Render>, Option<ChosenSettings>), ChoiceError> {
-    let within = Settings { memory, ..settings.clone() };
-    let allowed = Allowed { choices: !render_blocks::in_blocks(args), gathering: may_gather };
-    let (renderer, chosen) = ChosenSettings::pipeline(on, (&args.settings, begun), (scene, view), within, allowed)?;
-    if let Some(line) = chosen.line() {
-        say!("{line}");
-    }
-    *settings = Settings { memory: settings.memory, ..chosen.settings.clone() };
-    Ok((Box::new(renderer), chosen.is_told().then_some(chosen)))
+        Chosen::Vulkan(on) => pipeline(*on, scene, view, &within(memory)),
+    };
+    let besides = memory::besides(args.settings.picture.size);
+    Ok((vec![renderer.map_err(|fault| fault.within(args.machine.memory, besides))?], device))
 }
 
 fn pipeline<B: TransportBackend>(
@@ -365,7 +320,6 @@ fn save(
         ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
         ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
     ];
-    attributes.extend(details.chosen.map(|chosen| ("photon:chosen", chosen.with_passes(passes))));
     attributes.extend(details.environment.map(|text| ("photon:environment", text.to_owned())));
     let attributes: Vec<(String, String)> =
         attributes.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();

@@ -15,13 +15,12 @@ use crate::forecast_text::{error_line, forecast_lines};
 use crate::progress::{Limit, Progress};
 use crate::watch::{Watch, Watching};
 
-/// Renders passes on one device until the budget of the options is spent, or `stop` is set; as many passes as were chosen for
-/// a preset, if they were.
+/// Renders passes on one device until the budget of the options is spent, or `stop` is set.
 ///
 /// # Errors
 /// [`Fault`] if rendering fails.
 pub(super) fn run(
-    (args, chosen): (&RenderArgs, Option<u32>),
+    args: &RenderArgs,
     photons: u32,
     renderer: &mut dyn Render,
     started: Instant,
@@ -36,7 +35,6 @@ pub(super) fn run(
     if let Some(limit) = quick {
         plan.most_time = Some(limit.saturating_sub(started.elapsed() + writing(args)));
     }
-    plan.until = chosen.map_or(plan.until, Budget::Passes);
     // The same total number of photons, if the memory limit makes passes smaller.
     let each = renderer.facts().photons;
     if each < photons {
@@ -138,7 +136,7 @@ mod tests {
             let mut watch = Watch::start(&args.watch, look, "").unwrap();
             let started = Instant::now().checked_sub(Duration::from_secs(ago)).unwrap();
             let stop = AtomicBool::new(false);
-            run((&args, None), 100, &mut renderer, started, (&mut watch, &stop)).unwrap().passes
+            run(&args, 100, &mut renderer, started, (&mut watch, &stop)).unwrap().passes
         };
         assert_eq!(passes(&[], 10), 1);
         assert_eq!(passes(&["--passes", "4"], 10), 4);

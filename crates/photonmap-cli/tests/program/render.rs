@@ -48,7 +48,6 @@ fn layers_of_the_exr_sum_to_the_picture_and_the_report_balances() {
         "project",
         "pipelines",
         "pilot",
-        "trials",
         "emit+trace",
         "build",
         "eye",
@@ -263,69 +262,4 @@ fn transparent_pictures_have_the_alpha_of_their_format() {
         assert!(found.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{pixel}: {found:?} {expected:?}");
         assert_eq!(opacity, (alpha[pixel] * 255.0 + 0.5) as u8);
     }
-}
-
-/// With a time limit and error estimates under a sky, photons that bring little of the light are fewer; not if their number is given, nor where
-/// there is no sky.
-#[test]
-fn time_is_spent_where_the_light_is() {
-    let folder = folder("photon-share");
-    let report = folder.join("report.json");
-    let paths = |scene: &str, options: &[&str]| {
-        let output = photonmap("render")
-            .args([scene, "--size", "256x256", "--time", "0.1", "--backend", "cpu", "--json", report.to_str().unwrap()])
-            .args(["-o", folder.join("a.png").to_str().unwrap()])
-            .args(options)
-            .output()
-            .unwrap();
-        succeeded(&output);
-        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
-        (report["paths_per_pass"].as_u64().unwrap(), stderr(&output).contains("photons bring"))
-    };
-    assert_eq!(paths("sky", &["--errors"]), (16_384, true));
-    assert_eq!(paths("sky", &["--errors", "--photons", "20000"]), (20_000, false));
-    assert!(!paths("sky", &[]).1, "trials choose");
-    assert_eq!(paths("cornell", &["--errors"]), (131_072, false));
-}
-
-/// What was chosen for a time is reported as options without it, which make the same picture bit by bit.
-#[test]
-fn what_was_chosen_for_a_time_can_be_given() {
-    let folder = folder("chosen");
-    let picture = |scene: &str, name: &str, options: &[&str]| {
-        let (exr, json) = (folder.join(format!("{name}.exr")), folder.join(format!("{name}.json")));
-        let files = ["-o", exr.to_str().unwrap(), "--json", json.to_str().unwrap()];
-        let always = [scene, "--size", "40x30", "--backend", "cpu", "--seed", "7"];
-        let output = render(&[&always[..], &files, options].concat());
-        succeeded(&output);
-        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
-        (channels(&exr), report, stderr(&output))
-    };
-    // What is given is not repeated.
-    let cases: [(&str, &[&str]); 3] = [
-        ("cornell-glass", &["--time", "3"]),
-        ("cornell", &["--time", "2"]),
-        ("cornell", &["--time", "0.5", "--area", "disc"]),
-    ];
-    for (scene, time) in cases {
-        let (timed, report, said) = picture(scene, "timed", time);
-        let options = report["chosen"]["options"].as_str().unwrap();
-        assert!(said.contains(options.split_once(" --passes").unwrap().0), "{said}");
-        let candidates = report["chosen"]["candidates"].as_array().unwrap();
-        assert!(candidates.len() >= 5, "{options}: {candidates:?}");
-        let errors: Vec<f64> = candidates.iter().map(|each| each["error"].as_f64().unwrap()).collect();
-        assert!(errors.is_sorted() && errors[0] > 0.0, "{errors:?}");
-        let (fixed, report, _) =
-            picture(scene, "fixed", &options.split(' ').chain(time[2..].iter().copied()).collect::<Vec<_>>());
-        assert!(timed == fixed, "{options}");
-        assert!(report["chosen"].is_null());
-    }
-    // Settings that are given are not chosen.
-    let given = ["--photons", "2000", "--area", "disc", "--radius-factor", "0.8", "--bandwidth", "shared"];
-    let picture = folder.join("given.png");
-    let output = render(
-        &[&["cornell", "--size", "40x30", "--time", "0.2", "-o", picture.to_str().unwrap()], &given[..]].concat(),
-    );
-    succeeded(&output);
-    assert!(!stderr(&output).contains("chosen for the time"), "{}", stderr(&output));
 }

@@ -1,6 +1,6 @@
 //! Writes film files.
 
-use std::io::{self, Seek, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use photon_core::Film;
@@ -73,14 +73,14 @@ fn write_film(to: impl Write + Seek, film: &Film, info: &FilmInfo) -> Result<(),
 
 /// A film file while it is written.
 pub(crate) struct FilmWriter<W: Write + Seek> {
-    zip: ZipWriter<W>,
+    zip: ZipWriter<Abandoned<W>>,
     width: u32,
     height: u32,
 }
 
 impl<W: Write + Seek> FilmWriter<W> {
     pub(crate) fn new(file: W, width: u32, height: u32) -> Self {
-        Self { zip: ZipWriter::new(file), width, height }
+        Self { zip: ZipWriter::new(Abandoned::new(file)), width, height }
     }
 
     /// Writes an array row by row; `fill` sets the next row. An empty array is left out, except for the hits, so that a
@@ -127,5 +127,54 @@ impl<W: Write + Seek> FilmWriter<W> {
             .last_modified_time(zip::DateTime::default())
             .large_file(bytes >= u64::from(u32::MAX));
         Ok(self.zip.start_file(name, options)?)
+    }
+}
+
+/// A file that pretends to take everything once it has failed. The caller gets the error and discards the file; without this,
+/// [`ZipWriter`] would try again when it is dropped, and print that it fails.
+struct Abandoned<W> {
+    file: W,
+    failed: bool,
+    position: u64,
+}
+
+impl<W> Abandoned<W> {
+    fn new(file: W) -> Self {
+        Self { file, failed: false, position: 0 }
+    }
+
+    /// Notes a failure, other than a call that was interrupted and is repeated.
+    fn noted<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        self.failed |= result.as_ref().is_err_and(|why| why.kind() != io::ErrorKind::Interrupted);
+        result
+    }
+}
+
+impl<W: Write> Write for Abandoned<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let result = if self.failed { Ok(bytes.len()) } else { self.file.write(bytes) };
+        let count = self.noted(result)?;
+        self.position += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.failed {
+            return Ok(());
+        }
+        let result = self.file.flush();
+        self.noted(result)
+    }
+}
+
+impl<W: Seek> Seek for Abandoned<W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let pretended = match to {
+            SeekFrom::Start(position) => position,
+            SeekFrom::Current(by) | SeekFrom::End(by) => self.position.saturating_add_signed(by),
+        };
+        let result = if self.failed { Ok(pretended) } else { self.file.seek(to) };
+        self.position = self.noted(result)?;
+        Ok(self.position)
     }
 }

@@ -21,7 +21,7 @@ pub use environment::{EnvironmentArgs, EnvironmentName};
 pub use film::FilmArgs;
 pub use groups::{BudgetArgs, EstimateArgs, LightArgs, MachineArgs, OutputArgs, PhotonArgs, PictureArgs, SceneArgs};
 pub use values::PassRange;
-pub use watch::WatchArgs;
+pub use watch::{ServeAddress, WatchArgs};
 
 /// Parser of the names of photon map data structures.
 pub(crate) fn index_names() -> impl TypedValueParser<Value = IndexKind> {

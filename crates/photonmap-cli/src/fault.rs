@@ -18,6 +18,17 @@ pub enum Fault {
     /// `--memory` is too low: the library needs so many bytes. Exit code 2.
     #[error("the scene, the picture and a few photons need {}; allow more memory", bytes_text(*.0))]
     OverMemory(u64),
+    /// The user stopped it; the line says what is written. Exit code 130.
+    #[error("{0}")]
+    Interrupted(String),
+    /// Several faults, each with a line of its own. The exit code is that of the first.
+    #[error("{}", lines(.0))]
+    Several(Vec<Fault>),
+}
+
+/// The faults, line by line.
+fn lines(faults: &[Fault]) -> String {
+    faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
 impl Fault {
@@ -29,6 +40,18 @@ impl Fault {
     /// Any other error.
     pub fn failure(message: impl ToString) -> Self {
         Self::Failure(message.to_string())
+    }
+
+    /// All of the faults, or success if there are none.
+    ///
+    /// # Errors
+    /// The only fault, or [`Self::Several`].
+    pub fn all(mut faults: Vec<Self>) -> Result<(), Self> {
+        match faults.len() {
+            0 => Ok(()),
+            1 => Err(faults.remove(0)),
+            _ => Err(Self::Several(faults)),
+        }
     }
 
     /// In terms of the option `--memory`, if that is too low; the process needs `besides` bytes for other things.
@@ -63,6 +86,7 @@ impl From<photon_core::Error> for Fault {
             | E::OutOfMemory { .. }
             | E::AllocationTooLarge { .. } => Self::Input(text),
             E::OverMemory { needed, .. } => Self::OverMemory(needed),
+            E::Cancelled => Self::Interrupted("interrupted before a pass was finished: nothing is written".to_owned()),
             _ => Self::Failure(text),
         }
     }
@@ -100,11 +124,27 @@ pub fn chain(error: &dyn std::error::Error) -> String {
 
 /// Runs `program`; prints an error to stderr and returns its exit code.
 pub fn run(program: impl FnOnce() -> Result<(), Fault>) -> ExitCode {
-    match program() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(fault) => {
+    program().map_or_else(|fault| ExitCode::from(report(&fault)), |()| ExitCode::SUCCESS)
+}
+
+/// Prints a fault; returns its exit code.
+fn report(fault: &Fault) -> u8 {
+    match fault {
+        Fault::Several(faults) => faults.iter().map(report).collect::<Vec<_>>().first().copied().unwrap_or(1),
+        Fault::Interrupted(line) => {
+            say!("{line}");
+            INTERRUPTED
+        }
+        Fault::Input(_) | Fault::OverMemory(_) => {
             say!("error: {fault}");
-            ExitCode::from(if matches!(fault, Fault::Input(_) | Fault::OverMemory(_)) { 2 } else { 1 })
+            2
+        }
+        Fault::Failure(_) => {
+            say!("error: {fault}");
+            1
         }
     }
 }
+
+/// The exit code of a program that was interrupted, as shells give it: 128 and the number of SIGINT.
+pub const INTERRUPTED: u8 = 130;

@@ -1,8 +1,15 @@
 //! Standard output, whose reader may close it at any time.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 use crate::fault::Fault;
+
+/// Whether an option names standard output in place of a file.
+#[must_use]
+pub fn is_meant(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
 
 /// Writes to standard output. A reader that has closed its end, such as `head`, is not an error.
 ///

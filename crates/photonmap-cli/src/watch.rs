@@ -2,6 +2,7 @@
 
 mod page;
 mod preview;
+mod server;
 mod terminal;
 mod tev;
 
@@ -19,6 +20,9 @@ const INTERVAL: Duration = Duration::from_secs(5);
 
 /// At most this share of the time is spent on showing: one in twenty.
 const SHARE: u32 = 20;
+
+/// Time for closing everything.
+const CLOSING: Duration = Duration::from_secs(2);
 
 /// Shows films, or what a screen shows of them.
 trait Sink: Send {
@@ -39,6 +43,14 @@ trait Sink: Send {
     /// Likewise.
     fn show_image(&mut self, _image: &DisplayImage) -> Result<Option<String>, String> {
         Ok(None)
+    }
+
+    /// Waits, until `deadline` at the latest, for those who still read what was shown.
+    ///
+    /// # Errors
+    /// Why they do not have it.
+    fn close(&mut self, _deadline: Instant) -> Result<(), String> {
+        Ok(())
     }
 }
 
@@ -66,7 +78,7 @@ impl Watch {
         if let Some(path) = &args.preview {
             sinks.push(Box::new(preview::Preview::new(path, look)?));
         }
-        if let Some(address) = args.serve {
+        if let Some(address) = &args.serve {
             sinks.push(Box::new(page::Page::serve(address, title)?));
         }
         if let Some(host) = &args.tev {
@@ -102,9 +114,15 @@ impl Watch {
         self.last = Some((asked, asked.elapsed()));
     }
 
-    /// Shows the finished film and closes everything.
+    /// Shows the finished film and closes everything. Readers that stall are waited for no longer than [`CLOSING`] in all.
     pub(crate) fn finish(mut self, film: &Film) {
         self.show(View::Film(film), &mut |text| say!("{text}"));
+        let deadline = Instant::now() + CLOSING;
+        for sink in &mut self.sinks {
+            if let Err(why) = sink.close(deadline) {
+                say!("warning: {why}");
+            }
+        }
     }
 
     /// How to make a picture that all can show; `None` if one needs a film, or they need different pictures.

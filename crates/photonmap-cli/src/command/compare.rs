@@ -7,6 +7,7 @@ use clap::Args;
 
 use crate::exr_file::{self, Picture};
 use crate::fault::Fault;
+use crate::outputs::Outputs;
 use crate::relmse::relmse;
 use crate::tonemap::{self, ToneMap};
 use crate::{atomic_write, difference, flip, png_file, stdout};
@@ -77,13 +78,14 @@ pub fn run(args: &CompareArgs) -> Result<(), Fault> {
     let error = relmse(&a.pixels, &b.pixels);
     let (mean_a, mean_b) = (mean(&a), mean(&b));
 
+    let mut outputs = Outputs::default();
     if let Some(path) = &args.output {
         let shades = difference::signed(&a.pixels, &b.pixels, args.gain);
-        png_file::write_bytes(path, a.width as u32, a.height as u32, &shades)?;
+        outputs.file(path, png_file::write_bytes(path, a.width as u32, a.height as u32, &shades));
     }
     if let Some(path) = &args.flip_map {
         let shades: Vec<u8> = map.iter().flat_map(|&value| [(255.0 * value + 0.5) as u8; 3]).collect();
-        png_file::write_bytes(path, a.width as u32, a.height as u32, &shades)?;
+        outputs.file(path, png_file::write_bytes(path, a.width as u32, a.height as u32, &shades));
     }
     let figures = serde_json::json!({
         "relmse": error,
@@ -92,27 +94,21 @@ pub fn run(args: &CompareArgs) -> Result<(), Fault> {
         "mean_a": mean_a,
         "mean_b": mean_b,
     });
-    let to_stdout = args.json.as_deref() == Some(Path::new("-"));
-    let figures = format!("{figures:#}\n");
-    if let Some(path) = args.json.as_ref().filter(|_| !to_stdout) {
-        atomic_write::write_bytes(path, figures.as_bytes())?;
+    if let Some(path) = &args.json {
+        outputs.report(path, &figures);
     }
-    if to_stdout {
-        return stdout::write(figures.as_bytes());
+    if args.json.as_deref().is_some_and(stdout::is_meant) {
+        return outputs.result();
     }
     let mut text = String::new();
     let _ = writeln!(text, "relMSE  {error:.4e}");
     let _ = writeln!(text, "FLIP    {flip_mean:.5} mean, {flip_max:.5} greatest");
     let _ = writeln!(text, "mean    {mean_a:.6e} and {mean_b:.6e}");
-    let written: Vec<String> = [&args.output, &args.flip_map, &args.json]
-        .into_iter()
-        .flatten()
-        .map(|path| path.display().to_string())
-        .collect();
-    if !written.is_empty() {
-        let _ = writeln!(text, "wrote {}", written.join(", "));
+    if outputs.any() {
+        let _ = writeln!(text, "wrote {outputs}");
     }
-    stdout::write(text.as_bytes())
+    outputs.keep(stdout::write(text.as_bytes()));
+    outputs.result()
 }
 
 fn check(args: &CompareArgs) -> Result<(), Fault> {
@@ -133,7 +129,7 @@ fn check(args: &CompareArgs) -> Result<(), Fault> {
         }
         atomic_write::check(path)?;
     }
-    args.json.iter().filter(|path| path.as_os_str() != "-").try_for_each(|path| atomic_write::check(path))
+    args.json.iter().try_for_each(|path| Outputs::check_report(path))
 }
 
 /// Reads a picture whose pixels are all finite.

@@ -9,6 +9,7 @@ use super::map_search::{self, Found, Wanted};
 use crate::args::index_names;
 use crate::backend::{self, BackendName, Chosen};
 use crate::fault::Fault;
+use crate::outputs::Outputs;
 use crate::{atomic_write, npy};
 
 /// Search a photon map: the nearest photons of each query point, or the number within a radius.
@@ -45,7 +46,7 @@ pub struct MapArgs {
     /// there are fewer. With --radius it has the shape (M,): counts.
     #[arg(long, value_name = "OUT.npy")]
     neighbours: Option<PathBuf>,
-    /// Write a report in JSON.
+    /// Write a report in JSON; `-` for standard output.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
@@ -67,8 +68,8 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
     if args.k == Some(0) {
         return Err(Fault::input("--k is 0, but at least 1 is needed"));
     }
-    let outputs = [&args.neighbours, &args.json];
-    outputs.into_iter().flatten().try_for_each(|path| atomic_write::check(path))?;
+    args.neighbours.iter().try_for_each(|path| atomic_write::check(path))?;
+    args.json.iter().try_for_each(|path| Outputs::check_report(path))?;
     let photons = finite(&args.photons, npy::read_points(&args.photons)?)?;
     let queries = finite(&args.queries, npy::read_points(&args.queries)?)?;
     let kind = args.index;
@@ -90,8 +91,9 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
     };
     let Found { seconds_build, seconds_query, .. } = found;
 
+    let mut written = Outputs::default();
     if let Some(path) = &args.neighbours {
-        npy::write_u32(path, &found.words, args.k.map(|k| k as usize))?;
+        written.file(path, npy::write_u32(path, &found.words, args.k.map(|k| k as usize)));
     }
     let rate = queries.len() as f64 / seconds_query.max(1e-12);
     if let Some(path) = &args.json {
@@ -110,16 +112,14 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
             "seconds_query": seconds_query,
             "queries_per_second": rate,
         });
-        atomic_write::write_bytes(path, format!("{report:#}\n").as_bytes())?;
+        written.report(path, &report);
     }
-    let written: Vec<String> = outputs.into_iter().flatten().map(|path| path.display().to_string()).collect();
-    let written = if written.is_empty() { "wrote nothing".to_owned() } else { format!("wrote {}", written.join(", ")) };
     say!(
-        "{written}: index of {} photons in {seconds_build:.3} s, {} queries in {seconds_query:.3} s ({rate:.0} per second)",
+        "wrote {written}: index of {} photons in {seconds_build:.3} s, {} queries in {seconds_query:.3} s ({rate:.0} per second)",
         photons.len(),
         queries.len()
     );
-    Ok(())
+    written.result()
 }
 
 /// Rejects points that are not finite; the error has the index.

@@ -23,6 +23,7 @@ use clap::{Parser, Subcommand};
 
 use crate::args::{ExplainArgs, RenderArgs};
 use crate::fault::{self, Fault};
+use crate::signals;
 
 /// Photon mapping: renders scenes, searches photon maps, compares pictures.
 #[derive(Debug, Parser)]
@@ -33,10 +34,10 @@ pub struct Cli {
     command: Command,
 }
 
-const AFTER: &str = "Exit codes: 0 success, 1 failure, 2 wrong option or input, 130 interrupted twice.";
+const AFTER: &str = "Exit codes: 0 success, 1 failure, 2 wrong option or input, 130 interrupted.";
 
 const AFTER_RENDER: &str = "\
-The picture is written when rendering is done or interrupted with Ctrl-C. Progress and warnings go to standard error.
+The picture is written when rendering is done or interrupted with Ctrl-C, SIGTERM or SIGHUP. Progress and warnings go to standard error.
 
 Examples:
   photonmap render                                       the default scene, to cornell-glass.png
@@ -69,6 +70,7 @@ enum Command {
 /// Runs the program with the arguments of the process; errors go to standard error.
 #[must_use]
 pub fn main() -> ExitCode {
+    signals::ignore_file_size_limit();
     let cli = Cli::parse();
     fault::run(|| run(&cli.command))
 }

@@ -8,6 +8,7 @@ use photon_core::{Display, Film};
 use crate::denoise::Denoiser;
 use crate::exposure::{self, Exposure};
 use crate::fault::Fault;
+use crate::outputs::Outputs;
 use crate::png_file::Picture;
 use crate::tonemap::ToneMap;
 use crate::{atomic_write, exr_file, png_file};
@@ -91,11 +92,13 @@ pub fn run(args: &PictureArgs) -> Result<(), Fault> {
     ];
     let attributes = attributes.map(|(name, value)| (name.to_owned(), value));
     let (shown, denoised) = shown(&film, denoiser.as_ref());
+    let mut written = Outputs::default();
+    written.keep(denoised);
     for path in &args.output {
-        write(path, &shown, look, &attributes)?;
-        say!("wrote {}: {} passes", path.display(), film.passes);
+        written.file(path, write(path, &shown, look, &attributes));
     }
-    denoised
+    say!("wrote {written}: {} passes", film.passes);
+    written.result()
 }
 
 /// A film and the colours that are shown of it.

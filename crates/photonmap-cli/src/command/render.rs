@@ -1,8 +1,6 @@
 //! `photonmap render`
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use photon_core::{LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
@@ -15,9 +13,10 @@ use crate::command::{render_blocks, render_film, render_passes};
 use crate::denoise::Denoiser;
 use crate::exposure::Exposure;
 use crate::fault::Fault;
+use crate::outputs::Outputs;
 use crate::report::{self, Details};
 use crate::watch::Watch;
-use crate::{atomic_write, load, memory, stdout};
+use crate::{atomic_write, load, memory, signals};
 
 /// Renders the scene and writes the files.
 ///
@@ -30,8 +29,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let outputs = outputs(args)?;
     render_blocks::check(args, &settings)?;
     render_film::check(args)?;
-    let json = args.files.json.iter().filter(|path| path.as_os_str() != "-");
-    outputs.iter().chain(json).try_for_each(|path| atomic_write::check(path))?;
+    outputs.iter().try_for_each(|path| atomic_write::check(path))?;
+    args.files.json.iter().try_for_each(|path| Outputs::check_report(path))?;
     let denoiser = if args.files.denoise { Some(Denoiser::load()?) } else { None };
     let begun = Instant::now();
     let ((scene, loaded), seconds_load, opened) = load_and_open(args)?;
@@ -48,8 +47,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     starving.iter().for_each(|warning| say!("warning: {warning}"));
     warnings.extend(starving);
 
-    let stop = interrupt()?;
-    let (outcome, film, mut filed) = match &args.film.film {
+    let stop = signals::stop()?;
+    let (outcome, film, filed) = match &args.film.film {
         Some(path) => {
             let film = render_film::run(path, args, (&scene, &view, &settings), &mut renderers, (&mut watch, &stop))?;
             (film.outcome, film.film, Some((path, film.filed)))
@@ -64,7 +63,6 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         }
     };
     let seconds_passes = ready.elapsed().as_secs_f64();
-    watch.finish(&film);
     let renderer = &*renderers[0];
     let device = backend::names(&renderers);
     let grain = if render_blocks::in_blocks(args) {
@@ -96,38 +94,34 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         seconds_passes,
         seconds_total,
     };
-    let mut written = Vec::new();
-    if let Some((path, Ok(true))) = &filed {
-        written.push(format!("{} ({} passes)", path.display(), film.passes));
-    }
-    let (shown, denoised) = picture::shown(&film, denoiser.as_ref());
-    for output in &outputs {
-        save(args, output, (&shown, film.passes, look), renderer, &details)?;
-        written.push(output.display().to_string());
-    }
-    if let Some(path) = &args.files.json {
-        let text = format!("{:#}\n", report::json(renderer, &details));
-        if path.as_os_str() == "-" {
-            stdout::write(text.as_bytes())?;
-        } else {
-            atomic_write::write_bytes(path, text.as_bytes())?;
-            written.push(path.display().to_string());
+    // Every output is tried, whatever becomes of the others, and before those who watch are waited for.
+    let mut written = Outputs::default();
+    match filed {
+        Some((_, Ok(false))) | None => {}
+        Some((path, filed)) => {
+            written.named(format!("{} ({} passes)", path.display(), film.passes), filed.map(|_| ()));
         }
     }
+    let (shown, denoised) = picture::shown(&film, denoiser.as_ref());
+    written.keep(denoised);
+    for output in &outputs {
+        written.file(output, save(args, output, (&shown, film.passes, look), renderer, &details));
+    }
+    if let Some(path) = &args.files.json {
+        written.report(path, &report::json(renderer, &details));
+    }
+    watch.finish(&film);
     if let (Some(cap), Some(peak)) = (args.machine.memory, memory::peak()) {
         say!("memory: {:.0} MiB at the peak, of {:.0} allowed", peak as f64 / 1_048_576.0, cap as f64 / 1_048_576.0);
     }
-    // The pictures are written even if the film could not be.
-    if let Some((_, Err(_))) = &filed
-        && let Some((_, Err(fault))) = filed.take()
-    {
-        return Err(fault);
-    }
-    let stopped = if outcome.cancelled { ", interrupted" } else { "" };
     let (passes, paths) = (outcome.passes, renderer.facts().photons);
-    let written = if written.is_empty() { "nothing".to_owned() } else { written.join(", ") };
-    say!("wrote {written}: {passes} passes of {paths} paths in {seconds_total:.1} s{stopped}");
-    denoised
+    let line = format!("wrote {written}: {passes} passes of {paths} paths in {seconds_total:.1} s");
+    if outcome.cancelled {
+        written.keep(Err(Fault::Interrupted(format!("{line}, interrupted"))));
+    } else {
+        say!("{line}");
+    }
+    written.result()
 }
 
 /// The scene, the seconds that loading it took, and the backend, which is opened meanwhile: that takes a GPU's driver half a
@@ -194,27 +188,6 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
         }
     }
     Ok(args.files.output.clone())
-}
-
-/// A flag that is set by Ctrl-C. A process has one, which later renders share.
-pub(super) fn interrupt() -> Result<Arc<AtomicBool>, Fault> {
-    static FLAG: Mutex<Option<Arc<AtomicBool>>> = Mutex::new(None);
-    let mut flag = FLAG.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(stop) = &*flag {
-        stop.store(false, Ordering::SeqCst);
-        return Ok(Arc::clone(stop));
-    }
-    let stop = Arc::new(AtomicBool::new(false));
-    let heard = Arc::clone(&stop);
-    let handler = ctrlc::set_handler(move || {
-        // The first Ctrl-C requests the picture so far; the second ends the program at once.
-        if heard.swap(true, Ordering::SeqCst) {
-            std::process::exit(130);
-        }
-    });
-    handler.map_err(Fault::failure)?;
-    *flag = Some(Arc::clone(&stop));
-    Ok(stop)
 }
 
 /// A warning about paths that were inside more solids at once than a path can keep track of.

@@ -1,26 +1,24 @@
 //! The picture so far on a web page. The page fetches linear radiance, so that layers and exposure are its own choice.
 
-use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use photon_core::{Film, Layer};
 use serde_json::json;
-use tiny_http::{Header, Method, Request, Response, Server};
 
 use super::Sink;
+use super::server::{Answer, Limits, Server};
+use crate::args::ServeAddress;
 use crate::fault::Fault;
 
 /// The page: one file, without anything from elsewhere.
 const PAGE: &str = include_str!("page.html");
 
-/// A web server in a thread of its own.
+/// The page on a web server.
 pub(super) struct Page {
-    server: Arc<Server>,
+    server: Server,
     state: Arc<Mutex<State>>,
     begun: Instant,
-    thread: Option<JoinHandle<()>>,
 }
 
 /// What the page shows.
@@ -40,26 +38,13 @@ fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
 }
 
 impl Page {
-    pub(super) fn serve(address: SocketAddr, title: &str) -> Result<Self, Fault> {
-        let server = Server::http(address)
-            .map_err(|why| Fault::input(format!("--serve {address}: {why}; port 0 takes any free port")))?;
-        let chosen = server.server_addr().to_ip().unwrap_or(address);
-        say!("watch at http://{chosen}/");
-        let server = Arc::new(server);
+    pub(super) fn serve(address: &ServeAddress, title: &str) -> Result<Self, Fault> {
         let state = Arc::new(Mutex::new(State { title: title.to_owned(), ..State::default() }));
-        let (theirs, shared) = (Arc::clone(&server), Arc::clone(&state));
-        let thread = thread::spawn(move || {
-            for request in theirs.incoming_requests() {
-                // A reader that leaves early is not an error.
-                let _ = answer(request, &shared);
-            }
-        });
-        Ok(Self { server, state, begun: Instant::now(), thread: Some(thread) })
-    }
-
-    #[cfg(test)]
-    fn address(&self) -> SocketAddr {
-        self.server.server_addr().to_ip().unwrap()
+        let shared = Arc::clone(&state);
+        let server = Server::start(address, Limits::USUAL, move |path: &str| answer(path, &lock(&shared)))
+            .map_err(|why| Fault::input(format!("--serve {address}: {why}; port 0 takes any free port")))?;
+        say!("watch at http://{}/", server.address());
+        Ok(Self { server, state, begun: Instant::now() })
     }
 }
 
@@ -80,15 +65,10 @@ impl Sink for Page {
         state.layers = layers;
         Ok(None)
     }
-}
 
-impl Drop for Page {
-    fn drop(&mut self) {
-        self.server.unblock();
-        if let Some(thread) = self.thread.take() {
-            // It cannot panic, and there is no use for it if it did.
-            let _ = thread.join();
-        }
+    fn close(&mut self, deadline: Instant) -> Result<(), String> {
+        self.server.close(deadline);
+        Ok(())
     }
 }
 
@@ -97,29 +77,16 @@ fn bytes(values: &[[f32; 3]]) -> Arc<[u8]> {
 }
 
 /// Answers `/`, `/status` and `/layer/NAME`.
-fn answer(request: Request, state: &Mutex<State>) -> std::io::Result<()> {
-    if *request.method() != Method::Get {
-        return request.respond(Response::from_string("only GET\n").with_status_code(405));
-    }
-    let (body, kind): (Vec<u8>, &str) = match request.url() {
-        "/" => (PAGE.into(), "text/html; charset=utf-8"),
-        "/status" => (status(&lock(state)).into(), "application/json"),
+fn answer(path: &str, state: &State) -> Option<Answer> {
+    match path {
+        "/" => Some(Answer::ok("text/html; charset=utf-8", PAGE.as_bytes().into())),
+        "/status" => Some(Answer::ok("application/json", status(state).into_bytes().into())),
         path => {
-            let layers = &lock(state).layers;
-            let wanted = path.strip_prefix("/layer/");
-            match layers.iter().find(|(name, _)| Some(*name) == wanted) {
-                Some((_, values)) => (values.to_vec(), "application/octet-stream"),
-                None => (Vec::new(), ""),
-            }
+            let wanted = path.strip_prefix("/layer/")?;
+            let (_, values) = state.layers.iter().find(|(name, _)| *name == wanted)?;
+            Some(Answer::ok("application/octet-stream", Arc::clone(values)))
         }
-    };
-    if kind.is_empty() {
-        return request.respond(Response::from_string("there is no such page\n").with_status_code(404));
     }
-    let header = |name: &str, value: &str| Header::from_bytes(name, value).ok();
-    let headers = [header("Content-Type", kind), header("Cache-Control", "no-store")];
-    let response = headers.into_iter().flatten().fold(Response::from_data(body), Response::with_header);
-    request.respond(response)
 }
 
 fn status(state: &State) -> String {
@@ -144,7 +111,7 @@ mod tests {
 
     /// The status line and the body of an answer.
     fn request(page: &Page, line: &str) -> (String, Vec<u8>) {
-        let mut stream = TcpStream::connect(page.address()).unwrap();
+        let mut stream = TcpStream::connect(page.server.address()).unwrap();
         write!(stream, "{line} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
         let mut bytes = Vec::new();
         stream.read_to_end(&mut bytes).unwrap();
@@ -155,7 +122,7 @@ mod tests {
 
     #[test]
     fn the_page_its_status_and_its_layers_are_served() {
-        let mut page = Page::serve("127.0.0.1:0".parse().unwrap(), "cornell").unwrap();
+        let mut page = Page::serve(&"127.0.0.1:0".parse().unwrap(), "cornell").unwrap();
         let status =
             |page: &Page| -> serde_json::Value { serde_json::from_slice(&request(page, "GET /status").1).unwrap() };
         assert_eq!(status(&page)["passes"], 0);
@@ -184,8 +151,8 @@ mod tests {
 
     #[test]
     fn an_address_in_use_is_an_error_with_a_hint() {
-        let page = Page::serve("127.0.0.1:0".parse().unwrap(), "a").unwrap();
-        let fault = Page::serve(page.address(), "b").err().unwrap().to_string();
+        let page = Page::serve(&"127.0.0.1:0".parse().unwrap(), "a").unwrap();
+        let fault = Page::serve(&page.server.address().to_string().parse().unwrap(), "b").err().unwrap().to_string();
         assert!(fault.contains("--serve 127.0.0.1:") && fault.contains("port 0"), "{fault}");
     }
 }

@@ -19,6 +19,12 @@ impl Preview {
     pub(super) fn new(path: &Path, look: Look) -> Result<Self, Fault> {
         picture::check_name(path)?;
         atomic_write::check(path)?;
+        if path.exists() && !path.is_file() {
+            return Err(Fault::input(format!(
+                "--preview {}: it is no regular file, which is replaced",
+                path.display()
+            )));
+        }
         Ok(Self { path: path.to_owned(), look })
     }
 }

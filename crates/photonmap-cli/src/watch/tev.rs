@@ -2,8 +2,8 @@
 
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use photon_core::{Film, Layer};
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
@@ -21,7 +21,6 @@ const PORT: u16 = 14158;
 /// delay the render.
 pub(super) struct Tev {
     shared: Arc<Shared>,
-    sender: Option<JoinHandle<()>>,
 }
 
 #[derive(Default)]
@@ -33,6 +32,8 @@ struct Shared {
 #[derive(Default)]
 struct State {
     picture: Option<Channels>,
+    /// Whether a picture is being sent.
+    sending: bool,
     closed: bool,
     failure: Option<String>,
 }
@@ -84,8 +85,9 @@ impl Tev {
         socket.set_write_timeout(Some(TIMEOUT)).map_err(fault)?;
         let shared = Arc::new(Shared::default());
         let (theirs, title) = (Arc::clone(&shared), title.to_owned());
-        let sender = thread::spawn(move || send_all(&theirs, TevClient::wrap(socket), &title));
-        Ok(Self { shared, sender: Some(sender) })
+        // It ends with the connection, which a viewer may hold up: nobody waits for it beyond a deadline.
+        thread::spawn(move || send_all(&theirs, TevClient::wrap(socket), &title));
+        Ok(Self { shared })
     }
 }
 
@@ -100,17 +102,28 @@ impl Sink for Tev {
         self.shared.changed.notify_all();
         Ok(None)
     }
+
+    /// Waits until the last picture is sent.
+    fn close(&mut self, deadline: Instant) -> Result<(), String> {
+        let left = deadline.saturating_duration_since(Instant::now());
+        let is_busy = |state: &mut State| (state.picture.is_some() || state.sending) && state.failure.is_none();
+        let (mut state, waited) = self
+            .shared
+            .changed
+            .wait_timeout_while(self.shared.lock(), left, is_busy)
+            .unwrap_or_else(PoisonError::into_inner);
+        match state.failure.take() {
+            Some(why) => Err(format!("tev: {why}")),
+            None if waited.timed_out() => Err("tev: the viewer reads too slowly for the last picture".to_owned()),
+            None => Ok(()),
+        }
+    }
 }
 
 impl Drop for Tev {
-    /// Sends the last picture.
     fn drop(&mut self) {
         self.shared.lock().closed = true;
         self.shared.changed.notify_all();
-        if let Some(sender) = self.sender.take() {
-            // It cannot panic, and there is no use for it if it did.
-            let _ = sender.join();
-        }
     }
 }
 
@@ -121,9 +134,13 @@ fn send_all(shared: &Shared, mut viewer: TevClient, title: &str) {
         let waits = |state: &mut State| state.picture.is_none() && !state.closed;
         let mut state = shared.changed.wait_while(shared.lock(), waits).unwrap_or_else(PoisonError::into_inner);
         let Some(picture) = state.picture.take() else { return };
+        state.sending = true;
         drop(state);
-        if let Err(why) = send(&mut viewer, &picture, title, !created) {
-            shared.lock().failure = Some(why.to_string());
+        let sent = send(&mut viewer, &picture, title, !created);
+        let mut state = shared.lock();
+        (state.sending, state.failure) = (false, sent.as_ref().err().map(ToString::to_string));
+        shared.changed.notify_all();
+        if sent.is_err() {
             return;
         }
         created = true;
@@ -194,6 +211,7 @@ mod tests {
         for value in [1.0, 4.0] {
             tev.show(&film(value, 2)).unwrap();
         }
+        tev.close(Instant::now() + TIMEOUT).unwrap();
         drop(tev);
         let packets = reader.join().unwrap();
         let (create, last) = (&packets[0], packets.last().unwrap());
@@ -230,6 +248,19 @@ mod tests {
             thread::sleep(Duration::from_millis(100));
         }
         assert!(failure.unwrap().starts_with("tev: "));
+    }
+
+    #[test]
+    fn closing_does_not_wait_for_a_viewer_beyond_the_deadline() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut tev = Tev::connect(&listener.local_addr().unwrap().to_string(), "scene").unwrap();
+        let _stalled = listener.accept().unwrap();
+        tev.show(&film(1.0, 512)).unwrap();
+        let begun = Instant::now();
+        let why = tev.close(begun + Duration::from_millis(100)).unwrap_err();
+        drop(tev);
+        assert!(why.contains("too slowly"), "{why}");
+        assert!(begun.elapsed() < TIMEOUT, "{:?}", begun.elapsed());
     }
 
     #[test]

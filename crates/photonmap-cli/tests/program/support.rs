@@ -1,6 +1,8 @@
 //! Shared helpers of the tests.
 
 use std::collections::BTreeMap;
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -73,4 +75,14 @@ pub(crate) fn has_vulkan() -> bool {
         eprintln!("skipped: no Vulkan");
     }
     there
+}
+
+/// The passes that the page of a running render has.
+pub(crate) fn passes(address: &str) -> u64 {
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.write_all(b"GET /status HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    let mut text = String::new();
+    stream.read_to_string(&mut text).unwrap();
+    let status: serde_json::Value = serde_json::from_str(text.split_once("\r\n\r\n").unwrap().1).unwrap();
+    status["passes"].as_u64().unwrap()
 }

@@ -1,11 +1,11 @@
 //! The picture of a render while it is rendered.
 
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
+use std::io::{BufRead, BufReader, Write};
+use std::net::{TcpListener, TcpStream};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use crate::support::{folder, photonmap, refused, succeeded};
+use crate::support::{folder, passes, photonmap, refused, succeeded};
 
 const SCENE: [&str; 9] = ["cornell", "--size", "24x16", "--photons", "3000", "--backend", "cpu", "--exposure", "auto"];
 
@@ -82,16 +82,9 @@ fn a_page_shows_a_running_render() {
     let address =
         lines.find_map(|line| Some(line.unwrap().strip_prefix("watch at http://")?.trim_end_matches('/').to_owned()));
     let address = address.expect("the address is printed");
-    let status = || -> serde_json::Value {
-        let mut stream = TcpStream::connect(&address).unwrap();
-        stream.write_all(b"GET /status HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n").unwrap();
-        let mut text = String::new();
-        stream.read_to_string(&mut text).unwrap();
-        serde_json::from_str(text.split_once("\r\n\r\n").unwrap().1).unwrap()
-    };
     let mut seen = Vec::new();
     for _ in 0..1200 {
-        let passes = status()["passes"].as_u64().unwrap();
+        let passes = passes(&address);
         if passes > 0 && seen.last() != Some(&passes) {
             seen.push(passes);
         }
@@ -103,4 +96,41 @@ fn a_page_shows_a_running_render() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(seen.len() == 3 && seen.is_sorted(), "{seen:?}");
+}
+
+/// Readers that stall, of the page and of a viewer, withhold neither the picture nor the end of the program.
+#[test]
+fn stalled_readers_withhold_nothing() {
+    let folder = folder("stalled");
+    let picture = folder.join("a.png");
+    let viewer = TcpListener::bind("127.0.0.1:0").unwrap();
+    let mut child = photonmap("render")
+        .args(["cornell", "--size", "1024x1024", "--photons", "1000", "--backend", "cpu", "--passes", "3"])
+        .args(["--serve", "0", &format!("--tev={}", viewer.local_addr().unwrap())])
+        .args(["-o", picture.to_str().unwrap()])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let _viewer = viewer.accept().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    let address =
+        lines.find_map(|line| Some(line.strip_prefix("watch at http://")?.trim_end_matches('/').to_owned())).unwrap();
+    while passes(&address) == 0 {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    // 12 MB, of which nothing is read.
+    let mut page = TcpStream::connect(&address).unwrap();
+    page.write_all(b"GET /layer/picture HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    let begun = Instant::now();
+    while !picture.exists() {
+        assert!(begun.elapsed() < Duration::from_secs(120), "the picture is withheld");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let written = Instant::now();
+    assert!(child.wait().unwrap().success());
+    // Two seconds for both, and what a busy machine adds.
+    assert!(written.elapsed() < Duration::from_secs(8), "{:?}", written.elapsed());
+    let text = lines.collect::<Vec<_>>().join("\n");
+    assert!(text.contains("warning: tev: the viewer reads too slowly"), "{text}");
+    drop(page);
 }

@@ -9,6 +9,7 @@ use crate::scene::Scene;
 use crate::texture::{TextureDesc, TextureId};
 use crate::{camera, lights, normalise, shading, solids, validate};
 use photon_core::{EnvironmentMap, Light, Primitive, Units, light_cdf};
+use std::sync::Arc;
 
 /// Handle of a material of one [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -68,7 +69,7 @@ impl SceneBuilder {
     /// from the front.
     pub fn mesh(
         &mut self,
-        name: impl Into<String>,
+        name: impl Into<Arc<str>>,
         positions: Vec<[f64; 3]>,
         triangles: Vec<[u32; 3]>,
         material: MaterialId,
@@ -79,7 +80,7 @@ impl SceneBuilder {
     /// Adds triangles whose vertices have normals, colours or texture coordinates.
     pub fn mesh_with(
         &mut self,
-        name: impl Into<String>,
+        name: impl Into<Arc<str>>,
         positions: Vec<[f64; 3]>,
         triangles: Vec<[u32; 3]>,
         attributes: VertexAttributes,
@@ -89,7 +90,7 @@ impl SceneBuilder {
     }
 
     /// Adds a quadrilateral as two triangles; corners counter-clockwise as seen from the front.
-    pub fn quad(&mut self, name: impl Into<String>, corners: [[f64; 3]; 4], material: MaterialId) {
+    pub fn quad(&mut self, name: impl Into<Arc<str>>, corners: [[f64; 3]; 4], material: MaterialId) {
         self.mesh(name, corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]], material);
     }
 

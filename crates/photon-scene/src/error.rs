@@ -114,7 +114,7 @@ pub enum SceneError {
         /// What would be valid.
         hint: &'static str,
     },
-    /// A vertex with a coordinate that is not finite.
+    /// A vertex of a triangle with a coordinate that is not finite.
     #[error("mesh '{mesh}': vertex {vertex} is {value}, but every coordinate must be a finite number")]
     Vertex {
         /// Name of the mesh.

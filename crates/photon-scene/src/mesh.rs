@@ -1,5 +1,7 @@
 //! The meshes of a builder.
 
+use std::sync::Arc;
+
 use crate::builder::MaterialId;
 
 /// What the vertices of a mesh have beside their positions. Each list is empty, or has one entry for each vertex.
@@ -54,7 +56,8 @@ impl VertexAttributes {
 /// Triangles that share a name and a material, user space.
 #[derive(Clone, Debug)]
 pub(crate) struct Mesh {
-    pub(crate) name: String,
+    /// Shared, since a file may give many meshes one long name.
+    pub(crate) name: Arc<str>,
     pub(crate) positions: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) attributes: VertexAttributes,

@@ -144,7 +144,7 @@ pub(crate) fn geometry(
         }
         geometry.add(mesh, desc.is_emissive(), frame, traced);
         if desc.is_emissive() && geometry.triangles.len() == first {
-            return Err(SceneError::ZeroAreaLight { mesh: mesh.name.clone(), material: desc.name.clone() });
+            return Err(SceneError::ZeroAreaLight { mesh: mesh.name.to_string(), material: desc.name.clone() });
         }
     }
     let radii = geometry.positions.iter().map(|&at| length(at));

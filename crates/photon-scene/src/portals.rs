@@ -83,7 +83,7 @@ fn longest_squared([a, b, c]: [DVec3; 3]) -> f64 {
 /// The triangles of the meshes that have this name, or a material of this name; those without area are left out.
 fn named(scene: &SceneBuilder, name: &str) -> Result<Vec<[[f64; 3]; 3]>, SceneError> {
     let material = |mesh: &crate::mesh::Mesh| &scene.materials[mesh.material.0 as usize].name;
-    let mut meshes = scene.meshes.iter().filter(|mesh| mesh.name == name || material(mesh) == name).peekable();
+    let mut meshes = scene.meshes.iter().filter(|mesh| *mesh.name == *name || material(mesh) == name).peekable();
     let portal = || name.to_owned();
     if meshes.peek().is_none() {
         let what = "no triangle has a material or a mesh of that name".to_owned();
@@ -107,7 +107,7 @@ fn named(scene: &SceneBuilder, name: &str) -> Result<Vec<[[f64; 3]; 3]>, SceneEr
 
 /// The names that exist, those that are most like `name` first.
 fn similar(scene: &SceneBuilder, name: &str) -> String {
-    let mut names: Vec<&str> = scene.meshes.iter().map(|mesh| mesh.name.as_str()).collect();
+    let mut names: Vec<&str> = scene.meshes.iter().map(|mesh| &*mesh.name).collect();
     names.extend(scene.meshes.iter().map(|mesh| scene.materials[mesh.material.0 as usize].name.as_str()));
     names.sort_unstable();
     names.dedup();

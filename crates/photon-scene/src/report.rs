@@ -75,7 +75,7 @@ impl LoadReport {
         }
     }
 
-    fn push(&mut self, kind: ReportKind, subject: String, text: String) {
+    pub(crate) fn push(&mut self, kind: ReportKind, subject: String, text: String) {
         let line = ReportLine { kind, subject, text };
         // Repeated lines on the same subject are reported once; only the last 100 lines are compared, so that a file
         // with a million materials does not take quadratic time.

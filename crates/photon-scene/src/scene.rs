@@ -6,6 +6,7 @@ use crate::{camera, validate};
 use photon_core::{
     Camera, EnvironmentMap, Light, Material, Medium, OwnedShadingTables, Portal, Primitive, SceneView, Units,
 };
+use std::sync::Arc;
 
 /// The result of [`crate::SceneBuilder::build`]: the tables that backends read, and the names and units for
 /// messages and results.
@@ -29,7 +30,7 @@ pub struct Scene {
     pub(crate) radius: f32,
     pub(crate) units: Units,
     pub(crate) mesh_starts: Vec<u32>,
-    pub(crate) mesh_names: Vec<String>,
+    pub(crate) mesh_names: Vec<Arc<str>>,
     pub(crate) material_names: Vec<String>,
     pub(crate) cameras: Vec<(String, CameraDesc)>,
     /// Mesh and triangle, sorted.
@@ -135,7 +136,7 @@ impl Scene {
         }
         // Meshes without remaining triangles start at the same index as the next mesh: the last one is right.
         let after = self.mesh_starts.partition_point(|&start| start <= primitive);
-        after.checked_sub(1).and_then(|mesh| self.mesh_names.get(mesh)).map_or("", String::as_str)
+        after.checked_sub(1).and_then(|mesh| self.mesh_names.get(mesh)).map_or("", AsRef::as_ref)
     }
 
     /// Number of triangles that had no area and were dropped.
@@ -167,7 +168,7 @@ impl Scene {
 
     /// Names of the meshes, in the order in which they were added.
     pub fn mesh_names(&self) -> impl Iterator<Item = &str> {
-        self.mesh_names.iter().map(String::as_str)
+        self.mesh_names.iter().map(AsRef::as_ref)
     }
 
     /// Warnings: problems that do not prevent rendering.

@@ -154,17 +154,20 @@ fn require(fine: bool, property: &'static str, value: impl std::fmt::Debug, hint
 
 fn mesh(mesh: &Mesh, materials: usize) -> Result<(), SceneError> {
     if mesh.material.0 as usize >= materials {
-        return Err(SceneError::MaterialId { mesh: mesh.name.clone(), material: mesh.material.0, materials });
-    }
-    if let Some(vertex) = mesh.positions.iter().position(|at| at.iter().any(|part| !part.is_finite())) {
-        let value = format!("{:?}", mesh.positions[vertex]);
-        return Err(SceneError::Vertex { mesh: mesh.name.clone(), vertex, value });
+        return Err(SceneError::MaterialId { mesh: mesh.name.to_string(), material: mesh.material.0, materials });
     }
     let vertices = mesh.positions.len();
-    let outside = |index: &u32| *index as usize >= vertices;
+    // Vertices that no triangle uses may be anything: scanners write NaN for points that they did not measure.
     for (triangle, corners) in mesh.triangles.iter().enumerate() {
-        if let Some(&index) = corners.iter().find(|index| outside(index)) {
-            return Err(SceneError::Index { mesh: mesh.name.clone(), triangle, index, vertices });
+        for &index in corners {
+            let name = || mesh.name.to_string();
+            let Some(position) = mesh.positions.get(index as usize) else {
+                return Err(SceneError::Index { mesh: name(), triangle, index, vertices });
+            };
+            if position.iter().any(|part| !part.is_finite()) {
+                let (vertex, value) = (index as usize, format!("{position:?}"));
+                return Err(SceneError::Vertex { mesh: name(), vertex, value });
+            }
         }
     }
     Ok(())

@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn a_hole_in_the_glass_is_told() {
         let mut scene = glass::cornell_glass();
-        let ball = scene.meshes.iter_mut().find(|mesh| mesh.name == "glass ball").expect("a glass ball");
+        let ball = scene.meshes.iter_mut().find(|mesh| &*mesh.name == "glass ball").expect("a glass ball");
         ball.triangles.pop();
         let scene = scene.build().expect("a hole is no error");
         assert_eq!(scene.warnings().len(), 1, "{:?}", scene.warnings());

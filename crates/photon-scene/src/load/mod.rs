@@ -2,6 +2,7 @@
 
 pub(crate) mod budget;
 mod gltf;
+mod group;
 mod image;
 mod light_units;
 mod missing_normals;
@@ -12,6 +13,8 @@ mod ply;
 mod polygon;
 mod schema;
 mod starter;
+mod text;
+mod white;
 
 use self::budget::Budget;
 use crate::builder::SceneBuilder;
@@ -103,19 +106,14 @@ fn read_within(path: &Path, budget: &Budget, factor: u64) -> Result<Vec<u8>, Sce
     read(path)
 }
 
-/// The text of a file in a format that does not define an encoding.
-fn text_of(bytes: Vec<u8>) -> String {
-    // Only names and comments can contain characters other than ASCII, and a name decodes to the same
-    // text wherever it occurs.
-    match String::from_utf8(bytes) {
-        Ok(text) => text,
-        Err(other) => String::from_utf8_lossy(other.as_bytes()).into_owned(),
-    }
-}
-
 /// Material of meshes without one.
 fn default_material() -> MaterialDesc {
     MaterialDesc::lambert("default", [0.5; 3])
+}
+
+/// Material of meshes without one whose vertices have colours.
+fn white_material() -> MaterialDesc {
+    MaterialDesc::lambert("default", [1.0; 3])
 }
 
 /// Name of a mesh that has none in the file: the file name without extension.

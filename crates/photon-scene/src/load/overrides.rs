@@ -42,7 +42,7 @@ impl Overrides {
     /// As [`Self::read`], and [`SceneError::Memory`] for a file that does not fit, before it is read.
     pub fn read_with(path: &Path, options: &LoadOptions) -> Result<Self, SceneError> {
         // The text, and the tables that are parsed from it.
-        Self::parse(&super::text_of(super::read_within(path, &Budget::new(options), 16)?), path)
+        Self::parse(&super::text::text_of(path, super::read_within(path, &Budget::new(options), 16)?)?, path)
     }
 
     /// Parses the text of an override file; `path` is its name in messages.

@@ -4,7 +4,7 @@ mod element;
 
 use self::element::{COLOR, Element, NORMAL, UV};
 use super::budget::Budget;
-use super::polygon::{concave, fan_covers};
+use super::polygon::{Triangulator, crossing};
 use super::{default_material, read_within, stem};
 use crate::builder::SceneBuilder;
 use crate::describe::{MaterialDesc, Surface};
@@ -77,6 +77,7 @@ pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder,
 
     let mut triangles = Vec::new();
     let mut uncovered = Vec::new();
+    let mut triangulator = Triangulator::default();
     let count = positions.len();
     let corner = |what: &str, number: usize, index: i64| {
         u32::try_from(index).ok().filter(|&index| (index as usize) < count).ok_or_else(|| {
@@ -94,11 +95,14 @@ pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder,
         if corners.len() > 3 {
             let places: Vec<DVec3> =
                 corners.iter().map(|&index| DVec3::from_array(positions[index as usize])).collect();
-            if !fan_covers(&places) {
+            let (parts, is_exact) = triangulator.triangles(&places);
+            if !is_exact {
                 uncovered.push(number);
             }
+            triangles.extend(parts.iter().map(|part| part.map(|corner| corners[corner as usize])));
+        } else {
+            triangles.push([corners[0], corners[1], corners[2]]);
         }
-        triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
     }
     for (number, strips) in elements("tristrips").iter().enumerate() {
         // A negative index ends a strip, and every other triangle of a strip is reversed.
@@ -142,7 +146,7 @@ pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder,
     };
     let material = builder.material(material);
     if let Some(first) = uncovered.first() {
-        report.approximated(&subject, concave(uncovered.len(), &format!("is face {first}")));
+        report.approximated(&subject, crossing(uncovered.len(), &format!("is face {first}")));
     }
     if triangles.is_empty() {
         report.note(&subject, "it has no faces; points alone are not rendered");

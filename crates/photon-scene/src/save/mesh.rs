@@ -12,7 +12,7 @@ const UNSIGNED: u32 = 5125;
 
 impl File {
     pub(super) fn mesh(&mut self, mesh: &Mesh) -> Result<(), SceneError> {
-        let name = &mesh.name;
+        let name = &*mesh.name;
         let what = || format!("mesh '{name}'");
         let rounded: Vec<[f32; 3]> = mesh.positions.iter().map(|at| singles(*at, what)).collect::<Result<_, _>>()?;
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);

@@ -86,7 +86,7 @@ pub(super) fn check_mesh(mesh: &Mesh, material: &MaterialDesc) -> Result<(), Sce
     let vertices = mesh.positions.len();
     let attributes = &mesh.attributes;
     let fault = |attribute: &str, what: String, hint| {
-        Err(SceneError::Attribute { mesh: mesh.name.clone(), attribute: attribute.to_owned(), what, hint })
+        Err(SceneError::Attribute { mesh: mesh.name.to_string(), attribute: attribute.to_owned(), what, hint })
     };
     let mut lists = vec![
         ("normals".to_owned(), attributes.normals.len()),
@@ -105,7 +105,7 @@ pub(super) fn check_mesh(mesh: &Mesh, material: &MaterialDesc) -> Result<(), Sce
         let set = used.uv_set;
         let is_there = attributes.uvs.get(set as usize).is_some_and(|uvs| uvs.len() == vertices);
         if !is_there && !mesh.triangles.is_empty() {
-            let (mesh, material, sets) = (mesh.name.clone(), material.name.clone(), attributes.uvs.len());
+            let (mesh, material, sets) = (mesh.name.to_string(), material.name.clone(), attributes.uvs.len());
             return Err(SceneError::UvSet { mesh, material, slot, set, sets });
         }
     }

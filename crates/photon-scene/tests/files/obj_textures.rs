@@ -113,7 +113,12 @@ fn colours_of_vertices_are_srgb() {
     let [first, second, third] = scene.view().shading.colors[0];
     let half = (0.214_041_14_f64 * 65_535.0).round() as u32;
     assert_eq!((first, second, third), ([half << 16 | 0xFFFF, 0xFFFF_0000], [u32::MAX; 2], [u32::MAX; 2]));
-    assert!(!report.to_string().contains("colours"), "{report}");
+    // They alone are the albedo where there is no material.
+    assert_eq!(scene.view().materials[0].albedo, [1.0; 3]);
+    names(&report.to_string(), &["they are made diffuse, with the colours of its vertices as albedo"]);
+    let (bytes, _) =
+        load(&folder.file("b.obj", "v 0 0 0 255 0 0\nv 1 0 0 255 255 255\nv 0 1 0\nf 1 2 3\n"), None).unwrap();
+    assert_eq!(bytes.view().shading.colors[0], [[0xFFFF, 0xFFFF_0000], [u32::MAX; 2], [u32::MAX; 2]]);
 }
 
 /// Some programs write `Tr 1` for opaque materials.

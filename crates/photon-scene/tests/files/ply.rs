@@ -68,22 +68,6 @@ fn ply_strips_alternate() {
 }
 
 #[test]
-fn ply_polygons_that_a_fan_does_not_cover() {
-    let folder = Folder::new("ply-concave");
-    // A chevron and a triangle. A fan from the chevron's tip covers it, one from a wing does not.
-    let report = |chevron: &str| {
-        let text = format!(
-            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
-             element face 2\nproperty list int int vertex_indices\nend_header\n\
-             0 0 0\n2 1 0\n0 0.5 0\n-2 1 0\n3 0 1 2\n4 {chevron}\n"
-        );
-        load(&folder.file("chevron.ply", text), None).expect("a mesh").1.to_string()
-    };
-    assert!(!report("0 1 2 3").contains("not convex"));
-    names(&report("1 2 3 0"), &["mesh 'chevron'", "1 polygons are not convex, the first is face 1", "triangulate"]);
-}
-
-#[test]
 fn ply_faults() {
     let folder = Folder::new("ply-faults");
     let fault = |content: &[u8]| message(load_ply(&folder.file("a.ply", content)));

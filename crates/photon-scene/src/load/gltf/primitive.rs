@@ -74,13 +74,6 @@ pub(super) fn read(
         return Ok(Triangles::default());
     };
     let positions = accessors.vectors(positions, part)?;
-    if let Some(vertex) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-        return Err(Fault::new(
-            part,
-            format!("vertex {vertex} is at {:?}", positions[vertex]),
-            "every coordinate must be a finite number; repair the mesh and export it again",
-        ));
-    }
     let extras = extras::read::<PrimitiveExtras>(primitive.extras.as_deref().map(|raw| raw.get()));
     let extras = extras.unwrap_or_else(|why| {
         report.note(part, why);
@@ -113,6 +106,15 @@ pub(super) fn read(
     }
 
     let (triangles, stray) = assemble(&order, primitive.mode);
+    // Vertices that no triangle uses may be anything.
+    let is_finite = |&vertex: &u32| positions[vertex as usize].iter().all(|part| part.is_finite());
+    if let Some(&vertex) = triangles.as_flattened().iter().find(|vertex| !is_finite(vertex)) {
+        return Err(Fault::new(
+            part,
+            format!("vertex {vertex} is at {:?}", positions[vertex as usize]),
+            "every coordinate must be a finite number; repair the mesh and export it again",
+        ));
+    }
     Ok(Triangles { positions, triangles, extras, stray })
 }
 

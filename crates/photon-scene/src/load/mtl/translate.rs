@@ -134,7 +134,14 @@ impl Translation<'_> {
         let specular = material.specular.unwrap_or_default();
         let reflects = specular != [0.0; 3];
         let tint = material.filter.unwrap_or([1.0; 3]);
-        if matches!(illumination, 4 | 6 | 7 | 9) {
+        let is_glass = matches!(illumination, 4 | 6 | 7 | 9);
+        if is_glass && !self.is_transparent() {
+            self.approximated(format!(
+                "is taken as opaque, since it has a Kd, and d, Tf and Ni do not say that it is glass (illum \
+                 {illumination}); kind = \"glass\" in an override file makes it glass"
+            ));
+        }
+        if is_glass && self.is_transparent() {
             let ior = self.ior();
             self.approximated(format!(
                 "is taken as solid glass of refractive index {ior} (illum {illumination}), whose triangles must \
@@ -158,6 +165,19 @@ impl Translation<'_> {
         }
     }
 
+    /// Whether light passes a material with the illumination model of glass. Many programs write that for opaque materials
+    /// too: those have a colour, and neither bend nor filter light. A filter of 0 is that of programs without one.
+    fn is_transparent(&self) -> bool {
+        let Entry { diffuse, diffuse_map, filter, ior, dissolve, is_tr_one, .. } = self.material;
+        let has_color = diffuse_map.is_some() || diffuse.is_some_and(|color| color != [0.0; 3]);
+        let filters = filter.is_some_and(|filter| filter != [1.0; 3] && filter != [0.0; 3]);
+        let bends = match ior {
+            Some(ior) => *ior != 1.0,
+            None => !is_tr_one && dissolve.is_some_and(|dissolve| dissolve < 1.0),
+        };
+        !has_color || filters || bends
+    }
+
     fn ior(&mut self) -> f64 {
         let Some(ior) = self.material.ior else {
             self.approximated(format!("has no refractive index Ni; 1.5 is taken; {HINT}"));
@@ -170,7 +190,10 @@ impl Translation<'_> {
     }
 
     fn leftovers(&mut self) {
-        let Entry { textures, others, .. } = self.material;
+        let Entry { textures, others, flaws, .. } = self.material;
+        for (kind, text) in flaws {
+            self.report.push(*kind, self.subject(), text.clone());
+        }
         if !textures.is_empty() {
             let list = textures.join(", ");
             // Heights have no unit in MTL.

@@ -1,5 +1,6 @@
 //! Statements of an OBJ file, and the references in them.
 
+use crate::load::group::NONE;
 use std::borrow::Cow;
 
 /// The statements of a file, each with the number of its first line: a backslash at the end joins a line with the next.
@@ -26,9 +27,48 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = (Cow<'_, str>, usiz
     })
 }
 
-/// Converts a reference, from 1 or backwards from -1, to an index from 0; `None` if it is out of range.
-pub(super) fn resolve(word: &str, before: usize, all: usize) -> Option<usize> {
-    let number: i64 = word.parse().ok()?;
-    let index = if number > 0 { number - 1 } else { (before as i64).checked_add(number)? };
-    usize::try_from(index).ok().filter(|&index| number != 0 && index < all)
+/// The keyword of a statement and what follows it; comments have `#`.
+pub(in crate::load) fn parts(statement: &str) -> (&str, &str) {
+    let statement = statement.trim();
+    // Only at the start: names may contain '#'.
+    if statement.starts_with('#') {
+        return ("#", "");
+    }
+    let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
+    (keyword, rest.trim())
+}
+
+/// A number, or NaN in the spelling of any compiler, such as `1.#QNAN` and `nan(ind)`; `None` for other words.
+pub(in crate::load) fn number(word: &str) -> Option<f64> {
+    let is_nan = || {
+        let unsigned = word.trim_start_matches(['-', '+']);
+        unsigned.contains(".#") || unsigned.get(..3).is_some_and(|start| start.eq_ignore_ascii_case("nan"))
+    };
+    word.parse().ok().or_else(|| is_nan().then_some(f64::NAN))
+}
+
+/// A reference, from 1 or backwards from -1, to one of `all` definitions of which `before` come before the face.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Reference {
+    /// There is none.
+    Absent,
+    /// Its index, from 0.
+    To(u32),
+    /// It refers to nothing.
+    Wrong,
+}
+
+impl Reference {
+    /// Its index, or [`NONE`].
+    pub(super) fn index(self) -> u32 {
+        if let Self::To(index) = self { index } else { NONE }
+    }
+
+    pub(super) fn parse(word: Option<&str>, before: usize, all: usize) -> Self {
+        let Some(word) = word.filter(|word| !word.is_empty()) else { return Self::Absent };
+        let Ok(number) = word.parse::<i64>() else { return Self::Wrong };
+        let index = if number > 0 { Some(number - 1) } else { (before as i64).checked_add(number) };
+        let index = index.and_then(|index| u32::try_from(index).ok()).filter(|&index| (index as usize) < all);
+        index.filter(|_| number != 0).map_or(Self::Wrong, Self::To)
+    }
 }

@@ -23,7 +23,7 @@ fn the_plain_triangle_is_read_as_it_is() {
     let mesh = only_mesh(&File::new());
     assert_eq!(mesh.positions, [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]]);
     assert_eq!(mesh.triangles, [[0, 1, 2]]);
-    assert_eq!(mesh.name, "tri");
+    assert_eq!(&*mesh.name, "tri");
     let (_, report) = File::new().material(r#""pbrMetallicRoughness": {"metallicFactor": 0}"#).load();
     assert!(report.is_exact(), "{report}");
 }
@@ -54,7 +54,7 @@ fn transforms_are_chained_from_the_root() {
     );
     let mesh = only_mesh(&file);
     assert!(distance(&mesh, &[[5., 0., 10.], [5., 2., 10.], [3., 0., 10.]]) < 1e-12, "{mesh:?}");
-    assert_eq!(mesh.name, "child");
+    assert_eq!(&*mesh.name, "child");
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn a_mesh_is_added_once_for_each_node_and_not_where_it_is_scaled_to_nothing() {
         .with("nodes", r#"[{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b", "translation": [0, 0, 1]}, {"mesh": 0, "name": "c", "scale": [0, 0, 0]}]"#)
         .with("scenes", r#"[{"nodes": [0, 1, 2]}]"#);
     let (builder, report) = file.load();
-    let names: Vec<&str> = builder.meshes.iter().map(|mesh| mesh.name.as_str()).collect();
+    let names: Vec<&str> = builder.meshes.iter().map(|mesh| &*mesh.name).collect();
     assert_eq!(names, ["a", "b"]);
     assert!(says(&report, "'c'", "scaled to zero"));
 }
@@ -83,9 +83,9 @@ fn the_default_scene_else_the_first_else_all_roots() {
     let nodes = r#"[{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b"}]"#;
     let scenes = r#"[{"nodes": [0]}, {"nodes": [1], "name": "second"}]"#;
     let file = File::new().with("nodes", nodes).with("scenes", scenes);
-    assert_eq!(only_mesh(&file).name, "a");
+    assert_eq!(&*only_mesh(&file).name, "a");
     let chosen = file.clone().with("scene", "1");
-    assert_eq!(only_mesh(&chosen).name, "b");
+    assert_eq!(&*only_mesh(&chosen).name, "b");
     assert!(says(&chosen.load().1, "file", "second"));
     assert_eq!(file.without("scenes").load().0.meshes.len(), 2);
     // A scene need not have nodes.

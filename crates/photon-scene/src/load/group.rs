@@ -1,4 +1,4 @@
-//! Triangles of one object and material, and their conversion to a mesh.
+//! Triangles of one object and material by index, as OBJ and PLY have them, and their conversion to a mesh.
 
 use std::collections::HashMap;
 
@@ -9,55 +9,54 @@ use crate::mesh::VertexAttributes;
 /// In place of an index that a corner does not have.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What the statements of a file define, by index.
+/// Everything that corners refer to, by index.
 #[derive(Default)]
 pub(super) struct Pools {
     pub(super) positions: Vec<[f64; 3]>,
-    /// Linear colours of the positions; empty until one has a colour.
+    /// Linear colours and alpha, NaN where there is none; may end early.
     pub(super) colors: Vec<[f64; 4]>,
     pub(super) normals: Vec<DVec3>,
     /// With v downwards.
     pub(super) uvs: Vec<[f64; 2]>,
 }
 
-/// Triangles of one object and material, by index into the pools.
-#[derive(Default)]
-pub(super) struct Group {
-    pub(super) object: String,
-    pub(super) material: Option<String>,
-    triangles: Vec<[u32; 3]>,
-    /// Indices of normals; shorter than the triangles if the last ones have none.
-    normals: Vec<[u32; 3]>,
-    /// Indices of texture coordinates, likewise.
-    uvs: Vec<[u32; 3]>,
+impl Pools {
+    fn color(&self, index: u32) -> Option<[f64; 4]> {
+        self.colors.get(index as usize).copied().filter(|color| !color[0].is_nan())
+    }
 }
 
-/// One corner of a face: indices of its position, texture coordinates and normal.
+/// One corner of a face: indices of its position, texture coordinates, normal and colour.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
     pub(super) position: u32,
     pub(super) uv: u32,
     pub(super) normal: u32,
+    pub(super) color: u32,
 }
 
-/// Which attributes a mesh gets.
-struct Wanted {
-    normals: bool,
-    uvs: bool,
+/// Triangles, by index into the pools. Each list of attributes may be shorter than that of the triangles if the last ones have
+/// none.
+#[derive(Default)]
+pub(super) struct Group {
+    triangles: Vec<[u32; 3]>,
+    normals: Vec<[u32; 3]>,
+    uvs: Vec<[u32; 3]>,
+    colors: Vec<[u32; 3]>,
 }
+
+/// A mesh without a name and a material.
+pub(super) type Parts = (Vec<[f64; 3]>, Vec<[u32; 3]>, VertexAttributes);
 
 impl Group {
-    pub(super) fn new(object: String, material: Option<String>) -> Self {
-        Self { object, material, ..Self::default() }
-    }
-
-    /// Adds a polygon as a fan of triangles.
-    pub(super) fn add(&mut self, corners: &[Corner]) {
-        for pair in corners.windows(2).skip(1) {
-            let triangle = [corners[0], pair[0], pair[1]];
+    /// Adds the triangles of a face, each three of its corners.
+    pub(super) fn add(&mut self, corners: &[Corner], triangles: &[[u32; 3]]) {
+        for triangle in triangles {
+            let triangle = triangle.map(|corner| corners[corner as usize]);
             self.triangles.push(triangle.map(|corner| corner.position));
             push(&mut self.normals, triangle.map(|corner| corner.normal), self.triangles.len());
             push(&mut self.uvs, triangle.map(|corner| corner.uv), self.triangles.len());
+            push(&mut self.colors, triangle.map(|corner| corner.color), self.triangles.len());
         }
     }
 
@@ -67,13 +66,18 @@ impl Group {
         self.triangles.len() - given
     }
 
-    /// The mesh: positions, triangles and attributes; texture coordinates only if they are `textured`.
-    pub(super) fn mesh(self, pools: &Pools, textured: bool) -> (Vec<[f64; 3]>, Vec<[u32; 3]>, VertexAttributes) {
-        let wanted = Wanted { normals: self.is_smooth(pools), uvs: textured };
+    /// Whether any corner has a colour.
+    pub(super) fn has_colors(&self, pools: &Pools) -> bool {
+        let indices = if self.colors.is_empty() { &self.triangles } else { &self.colors };
+        !pools.colors.is_empty() && indices.as_flattened().iter().any(|&index| pools.color(index).is_some())
+    }
+
+    /// The mesh; with texture coordinates only if it is textured.
+    pub(super) fn mesh(self, pools: &Pools, is_textured: bool) -> Parts {
+        let (is_smooth, has_colors) = (self.is_smooth(pools), self.has_colors(pools));
         let mut positions = Vec::new();
         let mut attributes = VertexAttributes::default();
-        let has_colors = self.triangles.as_flattened().iter().any(|&index| pools.colors.get(index as usize).is_some());
-        if wanted.uvs {
+        if is_textured {
             attributes.uvs.push(Vec::new());
         }
         let mut indices: HashMap<Corner, u32> = HashMap::new();
@@ -83,20 +87,21 @@ impl Group {
                 let of = |list: &[[u32; 3]], is_wanted: bool| {
                     if is_wanted { list.get(number).map_or(NONE, |corners| corners[place]) } else { NONE }
                 };
-                let (normal, uv) = (of(&self.normals, wanted.normals), of(&self.uvs, wanted.uvs));
-                let corner = Corner { position: *vertex, uv, normal };
+                let (normal, uv) = (of(&self.normals, is_smooth), of(&self.uvs, is_textured));
+                // Those of OBJ are colours of positions.
+                let color = if self.colors.is_empty() { *vertex } else { of(&self.colors, has_colors) };
+                let corner = Corner { position: *vertex, uv, normal, color };
                 *vertex = *indices.entry(corner).or_insert_with(|| {
-                    let index = corner.position as usize;
-                    positions.push(pools.positions[index]);
+                    positions.push(pools.positions[corner.position as usize]);
                     if has_colors {
-                        attributes.colors.push(pools.colors.get(index).copied().unwrap_or([1.0; 4]));
+                        attributes.colors.push(pools.color(corner.color).unwrap_or([1.0; 4]));
                     }
-                    if wanted.normals {
+                    if is_smooth {
                         let normal = pools.normals.get(corner.normal as usize);
                         // A zero is replaced by the normal of the triangle.
                         attributes.normals.push(normal.copied().unwrap_or_default().to_array());
                     }
-                    if wanted.uvs {
+                    if is_textured {
                         attributes.uvs[0].push(pools.uvs.get(corner.uv as usize).copied().unwrap_or_default());
                     }
                     positions.len() as u32 - 1

@@ -7,8 +7,15 @@ use std::path::Path;
 use crate::{links, shell};
 
 /// Markdown outside of `docs/` whose links are checked too.
-const OTHERS: [&str; 6] =
-    ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "tests/README.md", "fuzz/README.md", "python/README.md"];
+const OTHERS: [&str; 7] = [
+    "README.md",
+    "CONTRIBUTING.md",
+    "SECURITY.md",
+    "CHANGELOG.md",
+    "tests/README.md",
+    "fuzz/README.md",
+    "python/README.md",
+];
 
 /// A package with its own target folder: see its manifest.
 const RENDER: [&str; 10] = [

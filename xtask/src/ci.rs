@@ -73,6 +73,13 @@ const WRITERS: [Step; 6] = [
     },
 ];
 
+/// A check of the day, by `.github/workflows/nightly.yml`.
+const NIGHTLY: [Step; 1] = [Step {
+    name: "advisories",
+    what: "known vulnerabilities of the dependencies, from the network",
+    run: deny::advisories,
+}];
+
 /// The steps with the given names, in that order; `ci` stands for all that a change must pass, `full` for those that are run
 /// before a release.
 ///
@@ -90,7 +97,7 @@ pub(crate) fn choose(names: &[String]) -> Result<Vec<Step>, String> {
         } else if name == "full" {
             chosen.extend(FULL);
         } else {
-            let known = STEPS.iter().chain(&FULL).chain(&WRITERS).find(|step| step.name == name);
+            let known = STEPS.iter().chain(&FULL).chain(&WRITERS).chain(&NIGHTLY).find(|step| step.name == name);
             chosen.push(*known.ok_or_else(|| format!("no step is named {name:?}"))?);
         }
     }
@@ -102,7 +109,7 @@ pub(crate) fn usage() -> String {
     let mut text = "usage: cargo xtask STEP...\n\n  ci            all of the following, in this order\n".to_owned();
     let full: Vec<&str> = FULL.iter().map(|step| step.name).collect();
     let _ = writeln!(text, "  full          {}", full.join(", "));
-    for step in STEPS.iter().chain(&FULL).chain(&WRITERS) {
+    for step in STEPS.iter().chain(&FULL).chain(&WRITERS).chain(&NIGHTLY) {
         let _ = writeln!(text, "  {:<13} {}", step.name, step.what);
     }
     text

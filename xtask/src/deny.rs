@@ -1,13 +1,16 @@
 //! Licences, duplicate versions, banned packages and sources of dependencies: cargo-deny, by the rules of `deny.toml`.
 //!
-//! Advisories are not among the checks, since they need a database from the network, whose entries of tomorrow would
-//! fail the code of today: `cargo deny check advisories`.
+//! Advisories are a step of their own for every night, since they need a database from the network, whose entries of tomorrow
+//! would fail the code of today.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::shell;
+
+/// The checks that depend on the code alone.
+const RULES: [&str; 3] = ["bans", "licenses", "sources"];
 
 /// Where cargo-deny is installed if it is not there already.
 const FOLDER: &str = "target/cargo-deny";
@@ -54,11 +57,29 @@ pub(crate) fn step() -> Result<(), String> {
     let program = program(&root)?;
     let broken = root.join(FOLDER).join("broken");
     write(&broken).map_err(|error| format!("{}: {error}", broken.display()))?;
-    let (report, passed) = check(&program, &root, &broken)?;
+    let (report, passed) = check(&program, &root, &broken, &RULES)?;
     if let Some(missed) = ERRORS.iter().find(|&&error| passed || !report.contains(error)) {
         return Err(format!("deny.toml accepts a workspace that should fail with {missed}:\n{report}"));
     }
-    let (report, passed) = check(&program, &root, &root)?;
+    of_workspace(&program, &root, &root, &RULES)
+}
+
+/// Workspaces with lock files of their own.
+const WORKSPACES: [&str; 4] = [".", "mpi", "python", "xtask-book"];
+
+/// Looks for known vulnerabilities of the dependencies, in a database that is fetched.
+pub(crate) fn advisories() -> Result<(), String> {
+    let root = shell::root();
+    let program = program(&root)?;
+    // All of them, also after a failure.
+    let failed =
+        WORKSPACES.map(|workspace| of_workspace(&program, &root, &root.join(workspace), &["advisories"]).err());
+    let failed: Vec<String> = failed.into_iter().flatten().collect();
+    if failed.is_empty() { Ok(()) } else { Err(failed.join("\n")) }
+}
+
+fn of_workspace(program: &Path, root: &Path, workspace: &Path, rules: &[&str]) -> Result<(), String> {
+    let (report, passed) = check(program, root, workspace, rules)?;
     if !passed {
         return Err(format!("\n{report}"));
     }
@@ -79,13 +100,14 @@ fn program(root: &Path) -> Result<PathBuf, String> {
 }
 
 /// What cargo-deny says about a workspace, and whether it passes.
-fn check(program: &Path, root: &Path, workspace: &Path) -> Result<(String, bool), String> {
+fn check(program: &Path, root: &Path, workspace: &Path, rules: &[&str]) -> Result<(String, bool), String> {
     let output = Command::new(program)
         .arg("--manifest-path")
         .arg(workspace.join("Cargo.toml"))
         .arg("--config")
         .arg(root.join("deny.toml"))
-        .args(["--color", "never", "check", "bans", "licenses", "sources"])
+        .args(["--color", "never", "check"])
+        .args(rules)
         .output()
         .map_err(|error| format!("{} cannot be started: {error}", program.display()))?;
     let text = [output.stdout, output.stderr].concat();

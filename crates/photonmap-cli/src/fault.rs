@@ -97,7 +97,7 @@ impl From<photon_scene::SceneError> for Fault {
         match error {
             // Twice what is missing, since loading may take half.
             photon_scene::SceneError::Memory { needed, left, .. } => Self::Input(format!(
-                "{error}: --memory must be larger by at least {}, of which loading may take half",
+                "{error}: at least {} more, of which loading may take half, by --memory or on a machine that has them free",
                 bytes_text(needed.saturating_sub(left).saturating_mul(2))
             )),
             other => Self::input(other),

@@ -29,5 +29,6 @@ pub mod relmse;
 pub mod report;
 pub mod signals;
 pub mod stdout;
+pub mod summary;
 pub mod tonemap;
 pub(crate) mod watch;

@@ -8,8 +8,9 @@ use photon_scene::{LoadOptions, LoadReport, Overrides, Scene, SceneBuilder};
 
 use crate::args::SceneArgs;
 use crate::fault::Fault;
+use crate::{memory, summary};
 
-/// The bytes that loading may take now, if they are limited.
+/// The bytes that loading may take now; without, half of what is available on this machine.
 pub type Limit<'a> = Option<&'a dyn Fn() -> u64>;
 
 /// Loads and builds a scene, and prints the loader's report and the scene's warnings to standard error.
@@ -28,9 +29,7 @@ pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadRe
     let (builder, report) = builder_within(args, limit)?;
     // Errors of reading name the file themselves.
     let scene = builder.build().map_err(|error| Fault::input(format!("{}: {error}", args.scene)))?;
-    for warning in scene.warnings() {
-        say!("warning: {warning}");
-    }
+    summary::say("warning: ", scene.warnings());
     print(&report, args.strict)?;
     Ok((scene, report))
 }
@@ -40,9 +39,7 @@ pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadRe
 /// # Errors
 /// [`Fault::Input`] if `strict` and anything was approximated or left out.
 pub fn print(report: &LoadReport, strict: bool) -> Result<(), Fault> {
-    for line in &report.lines {
-        say!("{line}");
-    }
+    summary::say("", &report.lines);
     if strict && !report.is_exact() {
         return Err(Fault::input("--strict: the lines above say what is approximated or left out"));
     }
@@ -59,7 +56,8 @@ pub fn builder(args: &SceneArgs) -> Result<(SceneBuilder, LoadReport), Fault> {
 
 fn builder_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(SceneBuilder, LoadReport), Fault> {
     // Measured each time, since a scene that is loaded takes up memory.
-    let options = || LoadOptions::default().with_memory(limit.map(|limit| limit()));
+    let memory = || limit.map_or_else(memory::for_loading_by_default, |limit| Some(limit()));
+    let options = || LoadOptions::default().with_memory(memory());
     let (mut builder, mut report) = described(args, &options())?;
     if let Some(desc) = args.environment.desc_with(&mut report, &options())? {
         builder.environment_from(&desc)?;

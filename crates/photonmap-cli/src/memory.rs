@@ -1,5 +1,7 @@
 //! Memory of the process: how much it uses, and how much it may use.
 
+mod available;
+
 use std::collections::BTreeSet;
 
 use photon_scene::Scene;
@@ -47,6 +49,12 @@ pub fn besides(size: (u32, u32)) -> u64 {
 #[must_use]
 pub fn for_loading(cap: u64, size: (u32, u32)) -> u64 {
     for_the_library(cap, size) / 2
+}
+
+/// The same without a limit by the user: half of what is available on this machine. `None` where the system does not say.
+#[must_use]
+pub fn for_loading_by_default() -> Option<u64> {
+    available::available().map(|bytes| bytes / 2)
 }
 
 /// Bytes of the texels of a scene; textures that share them count once.

@@ -184,7 +184,7 @@ pub struct Settings {
     pub photons: u32,
     /// How radiance is estimated from photons.
     pub estimator: Estimator,
-    /// Factor on derived radii, > 0 and finite: below 1 for sharp caustics, above 1 for smooth light.
+    /// Factor on derived radii, in `[1e-6, 1e6]`: below 1 for sharp caustics, above 1 for smooth light.
     pub radius_factor: f64,
     /// How photons are weighted by distance.
     pub kernel: Kernel,
@@ -208,7 +208,7 @@ pub struct Settings {
     /// small. `None`: only light of point, spot and directional lights, which no camera path finds
     /// ([`crate::GlossCaustics`]). Without effect if [`Settings::caustics`] is false, and with [`Estimator::Paper`].
     pub caustic_roughness: Option<f32>,
-    /// Maximum path length, counted in surfaces met, ≥ 1; for photon paths and camera paths.
+    /// Maximum path length, counted in surfaces met, in `[1, 65536]`; for photon paths and camera paths.
     pub max_bounces: u32,
     /// Key of all random numbers.
     pub seed: u64,
@@ -218,9 +218,9 @@ pub struct Settings {
     pub scheduling: Scheduling,
     /// Which random numbers are used.
     pub random: RandomKind,
-    /// Shadow rays per query and pass, ≥ 1.
+    /// Shadow rays per query and pass, in `[1, 4096]`.
     pub shadow_rays: u32,
-    /// Final-gather rays per query and pass, ≥ 1.
+    /// Final-gather rays per query and pass, in `[1, 4096]`.
     pub gather_rays: u32,
     /// `Some(n)`, n ≥ 1: irradiance is precomputed once per pass at the position of every n-th photon, and
     /// final-gather rays use the value of the nearest such point (Christensen 1999). Smaller is finer;
@@ -319,7 +319,9 @@ impl Settings {
             None => Ok(()),
         };
         ensure(self.photons > 0, "photons", self.photons.to_string(), "at least 1 is needed")?;
-        length("radius-factor", Some(self.radius_factor))?;
+        let factor = self.radius_factor;
+        let hint = "must lie between 1e-6 and 1e6";
+        ensure((1e-6..=1e6).contains(&factor), "radius-factor", factor.to_string(), hint)?;
         let aimed = self.caustic_photons != CausticPhotons::Aimed(0);
         ensure(aimed, "caustic-photons", "0".into(), "at least 1 is needed; to leave caustics out, turn them off")?;
         if let Some(roughness) = self.caustic_roughness {
@@ -335,8 +337,8 @@ impl Settings {
             Estimator::Paper(paper) => {
                 ensure(paper.max >= 1, "k", paper.max.to_string(), "at least 1 is needed")?;
                 length("radius", paper.radius)?;
-                let good = paper.factor.is_finite() && paper.factor >= 0.0;
-                ensure(good, "factor", paper.factor.to_string(), "must be at least 0 and finite")?;
+                let good = (0.0..=1e6).contains(&paper.factor);
+                ensure(good, "factor", paper.factor.to_string(), "must lie between 0 and 1e6")?;
             }
         }
         if self.errors && !matches!(self.estimator, Estimator::Radius { .. }) {
@@ -354,18 +356,16 @@ impl Settings {
             });
         }
         if let Kernel::Cone { slope } = self.kernel {
-            ensure(
-                slope >= 1.0 && slope.is_finite(),
-                "slope of the cone",
-                slope.to_string(),
-                "must be at least 1 and finite",
-            )?;
+            let hint = "must lie between 1 and 1e6";
+            ensure((1.0..=1e6).contains(&slope), "slope of the cone", slope.to_string(), hint)?;
         }
-        ensure(self.max_bounces >= 1, "max-bounces", self.max_bounces.to_string(), "at least 1 is needed")?;
+        // Beyond these numbers, which nobody needs in one pass, a pass would not end.
+        let count = |name, value: u32, most, hint| ensure((1..=most).contains(&value), name, value.to_string(), hint);
+        count("max-bounces", self.max_bounces, 65_536, "must lie between 1 and 65536")?;
         let alpha = self.alpha;
         ensure(alpha > 0.0 && alpha <= 1.0, "alpha", alpha.to_string(), "must be above 0 and at most 1")?;
-        ensure(self.shadow_rays >= 1, "shadow-rays", self.shadow_rays.to_string(), "at least 1 is needed")?;
-        ensure(self.gather_rays >= 1, "gather-rays", self.gather_rays.to_string(), "at least 1 is needed")?;
+        count("shadow-rays", self.shadow_rays, 4096, "must lie between 1 and 4096; for more rays, render more passes")?;
+        count("gather-rays", self.gather_rays, 4096, "must lie between 1 and 4096; for more rays, render more passes")?;
         if self.bandwidth == Bandwidth::PerPixel {
             let hint = "needs errors to be enabled, and indirect light that is not computed by final gathering";
             ensure(self.errors && self.indirect != Indirect::Gather, "bandwidth", "per pixel".into(), hint)?;

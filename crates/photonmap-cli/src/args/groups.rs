@@ -260,8 +260,8 @@ pub struct MachineArgs {
     pub threads: Option<usize>,
     /// Limit on the memory of the process, such as 2GiB; passes then have fewer photons, and there are more passes.
     ///
-    /// Loading may use half of the limit less the picture. Textures that do not fit are halved, which is reported; if that is not
-    /// enough, loading fails.
+    /// Loading may use half of the limit less the picture, or without a limit, half of the memory that is available. Textures that
+    /// do not fit are halved, which is reported; if that is not enough, loading fails.
     #[arg(long, value_name = "SIZE", value_parser = crate::memory::parse, hide_short_help = true)]
     pub memory: Option<u64>,
 }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::args::{PictureArgs, SceneArgs};
 use crate::fault::Fault;
-use crate::{atomic_write, load, mitsuba};
+use crate::{atomic_write, load, mitsuba, summary};
 
 /// Write a scene as a glTF binary (.glb), or for Mitsuba 3 (.xml).
 ///
@@ -51,9 +51,7 @@ pub fn run(args: &ExportArgs) -> Result<(), Fault> {
     let (scene, _) = load::scene(&args.scene)?;
     let camera = args.picture.view(&scene)?.camera;
     let written = mitsuba::write(path, &scene, &camera, args.picture.size)?;
-    for warning in &written.warnings {
-        say!("warning: {warning}");
-    }
+    summary::say("warning: ", &written.warnings);
     say!("wrote {} and {} meshes in {}", path.display(), written.meshes, written.folder.display());
     Ok(())
 }

@@ -16,7 +16,7 @@ use crate::fault::Fault;
 use crate::outputs::Outputs;
 use crate::report::{self, Details};
 use crate::watch::Watch;
-use crate::{atomic_write, load, memory, signals};
+use crate::{atomic_write, load, memory, signals, summary};
 
 /// Renders the scene and writes the files.
 ///
@@ -44,7 +44,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let ready = Instant::now();
     let mut warnings = scene.warnings().to_vec();
     let starving = starving(&scene, &*renderers[0]);
-    starving.iter().for_each(|warning| say!("warning: {warning}"));
+    summary::say("warning: ", &starving);
     warnings.extend(starving);
 
     let stop = signals::stop()?;

@@ -167,11 +167,25 @@ impl SceneBuilder {
         normalise::bounds(&self.meshes)
     }
 
-    /// A camera that shows the whole scene, with y upwards: from the front (+z), or obliquely from above where the scene
-    /// is nearly flat along x or y.
+    /// A camera that shows the whole scene, with y upwards: obliquely from above, or from the front (+z) for a room, whose
+    /// surfaces face inwards, and for a scene that is flat along z.
     #[must_use]
     pub fn frame_camera(&self) -> CameraDesc {
-        camera::framing(self.bounds())
+        let bounds = self.bounds();
+        camera::framing(bounds, bounds.is_some_and(|bounds| camera::is_room(self.meshes.iter(), bounds)))
+    }
+
+    /// Adds an even environment of radiance 1 if there are triangles and nothing emits light ([`Self::has_light`]), so that
+    /// a model by itself can be seen. Returns whether it did.
+    ///
+    /// # Errors
+    /// As [`Self::environment_from`].
+    pub fn light_if_dark(&mut self) -> Result<bool, SceneError> {
+        let is_dark = !self.has_light() && self.bounds().is_some();
+        if is_dark {
+            self.environment_from(&EnvironmentDesc::constant([1.0; 3]))?;
+        }
+        Ok(is_dark)
     }
 
     /// Validates everything and converts it to normalised space.

@@ -2,6 +2,7 @@
 
 use crate::describe::{CameraDesc, Projection};
 use crate::error::SceneError;
+use crate::mesh::Mesh;
 use crate::validate::unit;
 use glam::DVec3;
 use photon_core::{Camera, Units};
@@ -57,13 +58,12 @@ pub(crate) fn resolve(
     Ok(camera)
 }
 
-/// A box whose side towards +z is a smaller share of its largest side is framed obliquely: from +z one would see little
-/// of it.
-const EDGE_ON: f64 = 0.1;
+/// A box whose depth along z is a smaller share of its largest extent is a picture or a wall, seen from the front.
+const FLAT: f64 = 0.1;
 
-/// A camera, y upwards, that shows all of a box, or of a unit box if `bounds` is `None`. It looks from +z, or, at a box
-/// that is nearly flat along x or y, obliquely from above and from the right.
-pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>) -> CameraDesc {
+/// A camera, y upwards, that shows all of a box, or of a unit box if `bounds` is `None`: obliquely from above and from the
+/// right, since the upward axis of a file is not known; or from the front, +z, if the box is flat along z or `is_room`.
+pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>, is_room: bool) -> CameraDesc {
     let (low, high) = bounds.unwrap_or(([-0.5; 3], [0.5; 3]));
     let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
     let extent = high - low;
@@ -73,23 +73,23 @@ pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>) -> CameraDesc {
     let slope = libm::tan(0.5 * vertical_fov);
     // Relative to the size, so that products do not overflow.
     let shape = extent / size;
-    let largest = (shape.x * shape.y).max(shape.y * shape.z).max(shape.z * shape.x);
-    let (direction, up, distance) = if shape.x * shape.y < EDGE_ON * largest {
+    let (direction, up, distance) = if is_room || shape.z < FLAT && shape.x.min(shape.y) >= FLAT {
+        // In front of the nearest face, at a distance where this face fits with a margin of a tenth.
+        let face = if extent.x.max(extent.y) > 0.0 { extent.x.max(extent.y) } else { size };
+        (DVec3::NEG_Z, DVec3::Y, DVec3::Z * (extent.z * 0.5 + 0.55 * face / slope))
+    } else {
         // Unit vectors: from (2, 2, 3) towards the centre, and upwards at right angles to it.
         let back = DVec3::new(2.0, 2.0, 3.0) / 17_f64.sqrt();
         let right = DVec3::new(3.0, 0.0, -2.0) / 13_f64.sqrt();
         let up = back.cross(right);
-        // Every corner fits with a margin of a tenth.
+        // Every corner fits with a margin of a tenth; a point is a box of its size.
+        let shape = if extent.max_element() > 0.0 { shape } else { DVec3::ONE };
         let distance = (0..8).fold(0.0, |most: f64, corner| {
             let sign = |axis: u32| if corner >> axis & 1 == 1 { 0.5 } else { -0.5 };
             let at = shape * DVec3::new(sign(0), sign(1), sign(2));
             most.max(1.1 * at.dot(right).abs().max(at.dot(up).abs()) / slope + at.dot(back))
         });
         (-back, up, back * (distance * size))
-    } else {
-        // In front of the nearest face, at a distance where this face fits with a margin of a tenth.
-        let face = if extent.x.max(extent.y) > 0.0 { extent.x.max(extent.y) } else { size };
-        (DVec3::NEG_Z, DVec3::Y, DVec3::Z * (extent.z * 0.5 + 0.55 * face / slope))
     };
     CameraDesc {
         position: (center + distance).to_array(),
@@ -100,13 +100,33 @@ pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>) -> CameraDesc {
     }
 }
 
+/// Whether the surfaces in a box face its inside, as those of a room: the flux of the vector from its centre through them
+/// is less than that through four of the six sides of a box that faces inwards. An open box with things in it is a room, a
+/// floor with things on it is none.
+pub(crate) fn is_room<'a>(meshes: impl Iterator<Item = &'a Mesh>, (low, high): ([f64; 3], [f64; 3])) -> bool {
+    let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
+    let extent = high - low;
+    // Relative to the extents: a box that faces inwards has −6, each of its sides −1.
+    let at = |position: [f64; 3]| (DVec3::from_array(position) - low) / extent - 0.5;
+    let flux = |mesh: &Mesh| {
+        let corner = |index: u32| mesh.positions.get(index as usize).map(|&position| at(position));
+        let through = |triangle: &[u32; 3]| match triangle.map(corner) {
+            [Some(a), Some(b), Some(c)] => a.dot((b - a).cross(c - a)),
+            _ => 0.0,
+        };
+        mesh.triangles.iter().map(through).sum::<f64>()
+    };
+    // NaN, of a box without a volume, is none.
+    meshes.map(flux).sum::<f64>() < -3.5
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// The largest of the tangents under which corners of a box are seen, and whether all are in front.
     fn widest(low: [f64; 3], high: [f64; 3]) -> (f64, bool) {
-        let camera = framing(Some((low, high)));
+        let camera = framing(Some((low, high)), false);
         let [at, forward, up] = [camera.position, camera.direction, camera.up].map(DVec3::from_array);
         assert!((forward.length() - 1.0).abs() < 1e-12 && (up.length() - 1.0).abs() < 1e-12, "{camera:?}");
         assert!(forward.dot(up).abs() < 1e-12, "{camera:?}");
@@ -122,24 +142,54 @@ mod tests {
     }
 
     #[test]
-    fn boxes_of_any_shape_fit_and_are_not_seen_edge_on() {
+    fn boxes_of_any_shape_fit_and_only_those_flat_along_z_are_seen_from_the_front() {
         let slope = libm::tan(20_f64.to_radians());
         for (high, oblique) in [
-            ([1.0, 1.0, 1.0], false),
+            ([1.0, 1.0, 1.0], true),
             ([3.0, 1.0, 0.0], false),
             ([1.0, 0.0, 1.0], true),
             ([4.0, 0.01, 3.0], true),
             ([0.0, 2.0, 2.0], true),
+            ([0.0, 1.0, 0.0], true),
             ([1e-30, 1e-33, 1e-30], true),
             ([1e30, 0.0, 1e30], true),
         ] {
             let (most, front) = widest([0.0; 3], high);
             assert!(front && (most * 1.1 / slope - 1.0).abs() < 1e-9, "{high:?}: {most} of {slope}");
-            assert_eq!(framing(Some(([0.0; 3], high))).direction != [0.0, 0.0, -1.0], oblique, "{high:?}");
+            let camera = framing(Some(([0.0; 3], high)), false);
+            assert_eq!(camera.direction != [0.0, 0.0, -1.0], oblique, "{high:?}");
+            assert!(!oblique || camera.position[1] > high[1], "from above");
+            assert_eq!(framing(Some(([0.0; 3], high)), true).direction, [0.0, 0.0, -1.0], "a room: {high:?}");
         }
-        // A point and a line are seen from +z.
-        for high in [[0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
-            assert_eq!(framing(Some(([0.0; 3], high))).direction, [0.0, 0.0, -1.0], "{high:?}");
-        }
+        assert!(framing(None, false).position.iter().all(|part| part.is_finite()));
+        assert!(framing(Some(([2.0; 3], [2.0; 3])), false).position[1] > 2.0, "a point");
+    }
+
+    #[test]
+    fn open_boxes_that_face_inwards_are_rooms() {
+        // Sides of a box of 2 × 1 × 3, facing inwards: floor, ceiling, left, right, back, front.
+        let sides: [[[f64; 3]; 4]; 6] = [
+            [[0., 0., 3.], [2., 0., 3.], [2., 0., 0.], [0., 0., 0.]],
+            [[0., 1., 0.], [2., 1., 0.], [2., 1., 3.], [0., 1., 3.]],
+            [[0., 0., 3.], [0., 0., 0.], [0., 1., 0.], [0., 1., 3.]],
+            [[2., 0., 0.], [2., 0., 3.], [2., 1., 3.], [2., 1., 0.]],
+            [[0., 0., 0.], [2., 0., 0.], [2., 1., 0.], [0., 1., 0.]],
+            [[2., 0., 3.], [0., 0., 3.], [0., 1., 3.], [2., 1., 3.]],
+        ];
+        let room = |count: usize, turned: bool| {
+            let mut builder = crate::SceneBuilder::new();
+            let grey = builder.material(crate::MaterialDesc::lambert("grey", [0.5; 3]));
+            for side in &sides[..count] {
+                let mut side = *side;
+                if turned {
+                    side.reverse();
+                }
+                builder.quad("side", side, grey);
+            }
+            is_room(builder.meshes.iter(), ([0.0; 3], [2.0, 1.0, 3.0]))
+        };
+        assert_eq!([1, 3, 4, 5, 6].map(|count| room(count, false)), [false, false, true, true, true]);
+        assert!(!room(6, true), "a box is none");
+        assert!(!is_room(std::iter::empty(), ([0.0; 3], [0.0; 3])));
     }
 }

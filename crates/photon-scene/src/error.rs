@@ -243,12 +243,18 @@ pub enum SceneError {
         limit: u64,
     },
     /// No loader supports this file format.
-    #[error("{}: unknown scene file format; supported are {supported}", path.display())]
+    #[error("{}: unknown scene file format; supported are .gltf, .glb, .obj and .ply{hint}", path.display())]
     UnknownFormat {
         /// Path of the file.
         path: PathBuf,
-        /// The supported formats.
-        supported: &'static str,
+        /// How to convert it, or nothing.
+        hint: &'static str,
+    },
+    /// A folder where a scene file is expected.
+    #[error("{}: it is a folder; name the scene file in it", path.display())]
+    Folder {
+        /// Path of the folder.
+        path: PathBuf,
     },
 }
 

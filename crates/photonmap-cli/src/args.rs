@@ -236,7 +236,7 @@ impl OutputArgs {
     /// [`Fault::Input`] for an exposure that is not finite.
     pub fn check(&self) -> Result<(), Fault> {
         match self.exposure {
-            Some(Exposure::Stops(stops)) if !stops.is_finite() => {
+            Exposure::Stops(stops) if !stops.is_finite() => {
                 Err(Fault::input(format!("--exposure is {stops}, but must be finite")))
             }
             _ => Ok(()),

@@ -220,7 +220,7 @@ fn why_not(error: &photon_core::Error) -> String {
         return format!("Vulkan lists no device: {hint}");
     }
     let each: Vec<String> = rejected.iter().map(|(name, why)| format!("{name} {why}")).collect();
-    format!("no suitable Vulkan device: {}; {hint}", each.join("; "))
+    format!("no suitable Vulkan device; there are: {}; {hint}", each.join("; "))
 }
 
 fn device(on: &Vulkan) -> String {

@@ -26,7 +26,14 @@ pub fn scene(args: &SceneArgs) -> Result<(Scene, LoadReport), Fault> {
 /// # Errors
 /// As [`scene`]; textures and other parts that do not fit.
 pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadReport), Fault> {
-    let (builder, report) = builder_within(args, limit)?;
+    let (mut builder, mut report) = builder_within(args, limit)?;
+    if builder.light_if_dark()? {
+        report.note(
+            "the scene",
+            "has no light; an even environment is used; choose another with --environment FILE|sky:30,3, or add lights in \
+             an override file (--overrides auto writes one to begin with)",
+        );
+    }
     // Errors of reading name the file themselves.
     let scene = builder.build().map_err(|error| Fault::input(format!("{}: {error}", args.scene)))?;
     summary::say("warning: ", scene.warnings());
@@ -95,7 +102,7 @@ fn described(args: &SceneArgs, options: &LoadOptions) -> Result<(SceneBuilder, L
             }
             Ok((builder, report))
         }
-        None if path.extension().is_none() => {
+        None if path.extension().is_none() && !path.is_dir() => {
             let names: Vec<&str> = photon_scene::builtin_names().iter().map(|(name, _)| *name).collect();
             Err(Fault::input(format!(
                 "{}: no built-in scene has that name (there are {}), and it has no extension that gives the format of \

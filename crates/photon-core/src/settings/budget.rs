@@ -84,8 +84,8 @@ impl Plan {
     /// Checks that all limits are valid.
     ///
     /// # Errors
-    /// [`Error::InvalidSetting`] for zero passes, zero photons, or a target error that is not positive and
-    /// finite.
+    /// [`Error::InvalidSetting`] for zero passes, zero photons, or a target error that is not between 0
+    /// and 1.
     pub fn validate(&self) -> Result<()> {
         let ensure = |good: bool, name, value: String, hint| {
             if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, hint }) }
@@ -94,8 +94,8 @@ impl Plan {
         match self.until {
             Budget::Photons(photons) => ensure(photons > 0, "photons", photons.to_string(), "at least 1 is needed"),
             Budget::Error { target, share_of_pixels: share } => {
-                let good = target > 0.0 && target.is_finite();
-                ensure(good, "target-error", target.to_string(), "must be above 0 and finite")?;
+                let good = target > 0.0 && target < 1.0;
+                ensure(good, "target-error", target.to_string(), "must be above 0 and below 1: 0.05 is 5 %")?;
                 ensure(share > 0.0 && share <= 1.0, "share", share.to_string(), "must be above 0 and at most 1")
             }
             Budget::Passes(_) | Budget::Time(_) => Ok(()),
@@ -126,6 +126,7 @@ mod tests {
             error(0.0, 0.5),
             error(f64::NAN, 0.5),
             error(f64::INFINITY, 0.5),
+            error(2.0, 0.5),
             error(0.1, 0.0),
             error(0.1, 1.1),
             error(0.1, f64::NAN),

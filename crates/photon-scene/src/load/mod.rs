@@ -69,7 +69,8 @@ pub fn load_builder_with(
         Some("gltf" | "glb") => gltf::load_within(path, &budget)?,
         Some("obj") => obj::load_within(path, &budget)?,
         Some("ply") => ply::load_within(path, &budget)?,
-        _ => return Err(SceneError::UnknownFormat { path: path.to_owned(), supported: ".gltf, .glb, .obj and .ply" }),
+        _ if path.is_dir() => return Err(SceneError::Folder { path: path.to_owned() }),
+        _ => return Err(SceneError::UnknownFormat { path: path.to_owned(), hint: conversion(extension.as_deref()) }),
     };
     if let Some(overrides) = overrides {
         overrides.apply_within(&mut builder, &mut report, &budget)?;
@@ -77,16 +78,29 @@ pub fn load_builder_with(
     missing_normals::note(&builder, &mut report);
     if !builder.has_camera() {
         let camera = builder.frame_camera();
+        let [x, y, z] = camera.position.map(|part| format!("{part:.3e}").parse().unwrap_or(part));
         report.note(
             "the file",
             format!(
-                "has no camera; one at {:?} that shows the whole scene is used; give another in an override file",
-                camera.position
+                "has no camera; one at ({x}, {y}, {z}) that shows the whole scene is used; give another in an override file"
             ),
         );
         builder.camera("automatic", camera);
     }
     Ok((builder, report))
+}
+
+/// How files of a known format of others become one that is read.
+fn conversion(extension: Option<&str>) -> &'static str {
+    match extension {
+        Some("blend") => "; export it from Blender as glTF 2.0 (.glb)",
+        Some("fbx" | "dae" | "3ds" | "stl" | "x3d" | "abc") => "; import it in Blender and export glTF 2.0 (.glb)",
+        Some("usd" | "usda" | "usdc" | "usdz") => {
+            "; import it in Blender, or use a USD converter, and export glTF 2.0 (.glb)"
+        }
+        Some("pbrt" | "xml") => "; scenes of other renderers are not read: export their meshes as PLY or glTF",
+        _ => "",
+    }
 }
 
 /// Reads the bytes of a file.

@@ -10,7 +10,8 @@ use crate::describe::{AlphaMode, CameraDesc, MaterialDesc, Projection, Surface};
 /// Before the materials.
 const HEAD: &str = "\
 # Overrides. Nothing in this file changes the scene until the # in front of a line is removed.
-# docs/scene-files.md lists all keys.
+# docs/scene-files.md lists all keys. Values of kind: \"lambert\" (diffuse), \"glossy\" (metal, plastic), \"mirror\",
+# \"glass\" (a solid), \"thin\" (a pane).
 
 # For glTF files exported by Blender with the lighting mode Standard, its default:
 # light_units = \"standard\"
@@ -51,6 +52,7 @@ impl Overrides {
                 text += &format!("# {key} = {value}{replaces}\n");
             }
         }
+        text += &floor(scene);
         text += TAIL;
         for (name, camera) in &scene.cameras {
             text += &camera_text(name, camera);
@@ -129,6 +131,28 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
     list
 }
 
+/// A floor that the scene stands on, three times as wide.
+fn floor(scene: &SceneBuilder) -> String {
+    let Some((low, high)) = scene.bounds() else { return String::new() };
+    let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let side = |axis: usize, sign: f64| number(rounded(0.5 * (low[axis] + high[axis]) + sign * 1.5 * size));
+    let width = number(rounded(3.0 * size));
+    format!(
+        "\n# A floor that the scene stands on, for shadows and caustics:\n\
+         # [materials.floor]\n# new = true\n# albedo = 0.6\n\
+         # [[quads]]\n# material = \"floor\"\n\
+         # corner = [{}, {}, {}]\n# edges = [[{width}, 0.0, 0.0], [0.0, 0.0, -{width}]]\n",
+        side(0, -1.0),
+        number(low[1]),
+        side(2, 1.0)
+    )
+}
+
+/// The number to four digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
 fn camera_text(name: &str, camera: &CameraDesc) -> String {
     let CameraDesc { position, direction, up, projection, lens } = camera;
     let to: [f64; 3] = std::array::from_fn(|axis| position[axis] + direction[axis]);
@@ -195,7 +219,7 @@ mod tests {
 
     /// The text with all keys and tables, without the examples that add something and the values that replace a texture.
     fn with_all_values(text: &str) -> String {
-        let values = text.split("\n# A square").next().expect("materials").lines();
+        let values = text.split("\n# A floor").next().expect("materials").lines();
         let cameras = text.find("\n# [[cameras]]").map_or("", |at| &text[at..]).lines();
         let uncommented = |line: &str| match line.strip_prefix("# ") {
             Some(entry) if entry.starts_with("light_units") || entry.contains("# in place") => String::new(),
@@ -275,7 +299,8 @@ mod tests {
     #[test]
     fn its_examples_work() {
         let scene = builtin("cornell").expect("listed");
-        let text: String = TAIL
+        let floor = floor(&scene);
+        let text: String = (floor + TAIL)
             .lines()
             .filter_map(|line| line.strip_prefix("# "))
             .filter(|line| !line.ends_with(':'))
@@ -286,6 +311,13 @@ mod tests {
         let [a, b, c] = mesh.triangles[0].map(|index| glam::DVec3::from(mesh.positions[index as usize]));
         assert!((b - a).cross(c - a).normalize_or_zero().distance(glam::DVec3::NEG_Y) < 1e-12);
         assert_eq!(mesh.positions.len(), 4);
+        // The floor shines back, and the scene stands on it.
+        let (floor, count) = (&result.meshes[scene.meshes.len()], scene.meshes.len());
+        assert_eq!((floor.material.0 as usize, result.meshes.len()), (scene.materials.len(), count + 2));
+        let (low, _) = scene.bounds().expect("a room");
+        assert!(floor.positions.iter().all(|at| at[1] == low[1]), "{:?}", floor.positions);
+        let [a, b, c] = floor.triangles[0].map(|index| glam::DVec3::from(floor.positions[index as usize]));
+        assert!((b - a).cross(c - a).normalize_or_zero().distance(glam::DVec3::Y) < 1e-12);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use photon_core::{
 use photon_scene::{LightUnits, Scene, SceneError, ThinLens};
 
 use super::environment::EnvironmentArgs;
-use super::values::{PassRange, caustic_photons, choice, count, light_units, passes, size, total};
+use super::values::{PassRange, caustic_photons, choice, count, light_units, passes, seconds, size, total};
 use crate::backend::BackendName;
 use crate::exposure::Exposure;
 use crate::tonemap::ToneMap;
@@ -50,7 +50,7 @@ pub struct PictureArgs {
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
     pub size: (u32, u32),
     /// Name of the camera [default: the scene's first].
-    #[arg(long, value_name = "NAME", hide_short_help = true)]
+    #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// Diameter of the lens of a perspective camera, in units of the scene; 0 is a pinhole [default: that of the camera].
     ///
@@ -71,13 +71,13 @@ pub struct OutputArgs {
     /// none].
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// Exposure of the PNG, in stops, or `auto` [default: auto if there is an environment, otherwise 0].
+    /// Exposure of the PNG, in stops, or `auto`.
     ///
     /// `auto` makes the mean of the logarithm of the luminance that of a grey of 18 %: of the pixels at least half
     /// covered by surfaces (all, if there are none) and not black, without the darkest and the brightest tenth. It is
     /// printed. An EXR is not affected.
-    #[arg(long, value_name = "EV|auto", allow_negative_numbers = true, hide_short_help = true)]
-    pub exposure: Option<Exposure>,
+    #[arg(long, value_name = "EV|auto", default_value = "auto", allow_negative_numbers = true)]
+    pub exposure: Exposure,
     /// Tone curve of the PNG.
     #[arg(long, value_enum, default_value_t = ToneMap::Neutral, hide_short_help = true)]
     pub tonemap: ToneMap,
@@ -91,7 +91,7 @@ pub struct OutputArgs {
     ///
     /// It is guided by albedos and normals. With --errors, the mean of red, green and blue stays within the claimed error of
     /// the pixel, where there is one. An EXR says so; its layers are not denoised.
-    #[arg(long, conflicts_with = "transparent", hide_short_help = true)]
+    #[arg(long, conflicts_with = "transparent")]
     pub denoise: bool,
     /// Write a report in JSON: counters, times, memory, warnings; `-` for standard output.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
@@ -114,10 +114,10 @@ pub struct BudgetArgs {
     /// Passes depend on their index alone: ranges can be rendered on several machines (see --film and `photonmap merge`).
     #[arg(long, value_name = "N|A..B", value_parser = passes)]
     pub passes: Option<PassRange>,
-    /// Time limit in seconds, from start to finished file.
+    /// Time limit in seconds, or such as 5min, from start to finished file.
     ///
     /// Passes are rendered until the time is used up.
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "TIME", value_parser = seconds)]
     pub time: Option<f64>,
     /// Stop at this relative error, such as 0.05.
     ///

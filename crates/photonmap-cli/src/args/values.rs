@@ -46,15 +46,20 @@ pub(super) fn passes(text: &str) -> Result<PassRange, String> {
     Ok(PassRange { first, count: end - first })
 }
 
-/// Parses a time with its unit.
+/// Parses a time in seconds, or with its unit; whether it is a useful one is not checked.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    text.parse().or_else(|_| duration(text).map(|time| time.as_secs_f64()))
+}
+
+/// Parses a time; a number without a unit is seconds.
 pub(super) fn duration(text: &str) -> Result<Duration, String> {
     let split = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
     let (digits, unit) = text.split_at(split);
     let unit = match unit {
-        "s" => 1.0,
+        "" | "s" => 1.0,
         "min" => 60.0,
         "h" => 3600.0,
-        _ => return Err("give a time with its unit: s, min or h".to_owned()),
+        _ => return Err("give a time such as 30s, 5min or 1h".to_owned()),
     };
     let seconds = digits.parse::<f64>().map_err(|error| error.to_string())? * unit;
     Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())

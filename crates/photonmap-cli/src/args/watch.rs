@@ -17,7 +17,7 @@ pub struct WatchArgs {
     ///
     /// Without a host it is 127.0.0.1, for this machine alone. The page has the layers, the error and an exposure of its own.
     /// Anyone who can connect to the address can see it.
-    #[arg(long, value_name = "[HOST:]PORT", hide_short_help = true)]
+    #[arg(long, value_name = "[HOST:]PORT")]
     pub serve: Option<ServeAddress>,
     /// Show the picture so far and its layers in the viewer tev, which has to run there already.
     #[arg(long, value_name = "HOST[:PORT]", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:14158", hide_short_help = true)]

@@ -17,8 +17,10 @@ mod render_film;
 mod render_passes;
 pub mod scenes;
 
+use std::path::Path;
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
 use crate::args::{ExplainArgs, RenderArgs};
@@ -45,7 +47,7 @@ Examples:
   photonmap render room.glb --time 60 -o room.png
   photonmap render room.obj --overrides room.toml --target-error 0.03 -o room.exr
   photonmap render car.glb --environment studio.exr --environment-rotate 90 -o car.png
-  photonmap render house.glb --environment sky:30,3 --exposure -5 -o house.png
+  photonmap render house.glb --environment sky:30,3 -o house.png
   photonmap render house.glb --passes 4096 --film house.film -o house.exr      again after an interruption: continues";
 
 #[derive(Debug, Subcommand)]
@@ -71,9 +73,49 @@ enum Command {
 #[must_use]
 pub fn main() -> ExitCode {
     signals::ignore_file_size_limit();
-    let cli = Cli::parse();
-    fault::run(|| run(&cli.command))
+    match Cli::try_parse() {
+        Ok(cli) => fault::run(|| run(&cli.command)),
+        Err(error) => {
+            // Help goes to standard output; nobody need read it.
+            let _ = error.print();
+            if let Some(hint) = hint(&error) {
+                say!("\n  {hint}");
+            }
+            ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+        }
+    }
 }
+
+/// The way to what was probably meant: a scene without a command, or an option by its name in other programs.
+fn hint(error: &clap::Error) -> Option<String> {
+    let of = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    match error.kind() {
+        ErrorKind::InvalidSubcommand => {
+            let given = of(ContextKind::InvalidSubcommand)?;
+            let is_scene = Path::new(given).extension().is_some() || photon_scene::builtin(given).is_some();
+            is_scene.then(|| format!("hint: photonmap render {given}"))
+        }
+        ErrorKind::UnknownArgument => {
+            let given = of(ContextKind::InvalidArg)?;
+            let (_, ours) = OTHERS.iter().find(|(names, _)| names.contains(&given))?;
+            Some(format!("hint: {ours}"))
+        }
+        _ => None,
+    }
+}
+
+/// Names of options in other programs, and what to use here.
+const OTHERS: [(&[&str], &str); 6] = [
+    (&["--spp", "--samples", "-s"], "--passes N, or --time SECONDS; each pass has one sample per pixel"),
+    (&["--width", "--height", "--resolution", "-w"], "--size 512x512"),
+    (&["--gpu", "--cpu", "--cuda"], "--backend vulkan or --backend cpu; `photonmap devices` lists GPUs"),
+    (&["--quiet", "-q", "--verbose", "-v"], "progress and warnings go to standard error: 2> /dev/null hides them"),
+    (&["--hdri", "--envmap", "--light"], "--environment FILE.exr, or sky:30,3, or constant"),
+    (&["--out", "-O"], "-o FILE.png or -o FILE.exr"),
+];
 
 fn run(command: &Command) -> Result<(), Fault> {
     match command {
@@ -106,6 +148,21 @@ mod tests {
     #[test]
     fn the_declarations_are_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn what_was_probably_meant_is_said() {
+        let of = |arguments: &[&str]| {
+            let error = Cli::try_parse_from([&["photonmap"], arguments].concat()).unwrap_err();
+            hint(&error).unwrap_or_default()
+        };
+        assert_eq!(of(&["room.glb"]), "hint: photonmap render room.glb");
+        assert_eq!(of(&["cornell"]), "hint: photonmap render cornell");
+        for (option, ours) in [("--spp", "--passes"), ("--width", "--size"), ("--gpu", "--backend"), ("-q", "2>")] {
+            assert!(of(&["render", "cornell", option, "64"]).contains(ours), "{option}");
+        }
+        assert_eq!(of(&["rendr"]), "");
+        assert_eq!(of(&["render", "--nonsense"]), "");
     }
 
     /// `-h` is for a first picture: it fits on a screen, and `--help` lists everything.

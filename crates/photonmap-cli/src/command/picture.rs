@@ -23,7 +23,7 @@ pub struct PictureArgs {
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
     /// Exposure of the PNG, in stops, or `auto`.
-    #[arg(long, value_name = "EV|auto", default_value = "0", allow_negative_numbers = true)]
+    #[arg(long, value_name = "EV|auto", default_value = "auto", allow_negative_numbers = true)]
     exposure: Exposure,
     /// Tone curve of the PNG.
     #[arg(long, value_enum, default_value_t = ToneMap::Neutral)]

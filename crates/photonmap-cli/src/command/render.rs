@@ -11,7 +11,6 @@ use crate::backend::{self, Chosen, Opened};
 use crate::command::picture::{self, Look, Shown};
 use crate::command::{render_blocks, render_film, render_passes};
 use crate::denoise::Denoiser;
-use crate::exposure::Exposure;
 use crate::fault::Fault;
 use crate::outputs::Outputs;
 use crate::report::{self, Details};
@@ -34,10 +33,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let denoiser = if args.files.denoise { Some(Denoiser::load()?) } else { None };
     let begun = Instant::now();
     let ((scene, loaded), seconds_load, opened) = load_and_open(args)?;
-    // The radiance of environments has no common scale.
-    let usual = if scene.view().environment.is_some() { Exposure::Auto } else { Exposure::Stops(0.0) };
-    let exposure = args.files.exposure.unwrap_or(usual);
-    let look = Look { transparent: args.files.transparent, exposure, tonemap: args.files.tonemap };
+    let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
     let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
     let view = args.settings.picture.view(&scene)?;
     let (mut renderers, seconds_device) = start(args, opened, &scene, view, &settings)?;

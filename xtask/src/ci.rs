@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::time::Instant;
 
 use crate::{
-    book, constants, deny, extremes, full, kills, loaders, msrv, package, page, python, requirements, shaders, shell,
-    tidy, wasm,
+    book, constants, deny, extremes, full, kills, loaders, msrv, outside, package, page, python, requirements, shaders,
+    shell, tidy, wasm,
 };
 
 /// A check that passes or fails.
@@ -18,7 +18,7 @@ pub(crate) struct Step {
 
 /// In this order: the fastest checks come first; the tests come last, so that the closing line of
 /// their runner ends the output.
-const STEPS: [Step; 11] = [
+const STEPS: [Step; 12] = [
     Step { name: "fmt", what: "formatting", run: fmt },
     Step { name: "tidy", what: "rules for the files themselves", run: tidy::step },
     Step { name: "links", what: "links and table of contents of the documentation", run: book::links },
@@ -33,6 +33,11 @@ const STEPS: [Step; 11] = [
     Step { name: "features", what: "the libraries without their optional parts", run: features },
     Step { name: "doc", what: "documentation, warnings are errors", run: doc },
     Step { name: "doctest", what: "examples in the documentation", run: doctest },
+    Step {
+        name: "outside",
+        what: "examples of the README, with `photonmap` as the only dependency",
+        run: outside::step,
+    },
     Step { name: "test", what: "all other tests", run: test },
 ];
 

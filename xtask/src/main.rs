@@ -13,6 +13,7 @@ mod links;
 mod listed;
 mod loaders;
 mod msrv;
+mod outside;
 mod package;
 mod page;
 mod python;

@@ -3,6 +3,7 @@
 //! Only on request: a denoised picture is not the expectation that the film estimates. Where the film claims an error, the
 //! picture stays within it.
 
+mod installed;
 mod library;
 
 use photon_core::Film;
@@ -30,8 +31,8 @@ impl Denoiser {
     pub fn load() -> Result<Self, Fault> {
         library::Oidn::load().map(Self).map_err(|why| {
             Fault::input(format!(
-                "--denoise needs Open Image Denoise 2, which was not found: install it, or set {} to the path of \
-                 libOpenImageDenoise ({why})",
+                "denoising needs Open Image Denoise 2, which was not found: `pip install pyoidn`, or set {} to the path of \
+                 libOpenImageDenoise.so ({why})",
                 library::VARIABLE
             ))
         })

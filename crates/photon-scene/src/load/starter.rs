@@ -219,7 +219,14 @@ mod tests {
 
     /// The text with all keys and tables, without the examples that add something and the values that replace a texture.
     fn with_all_values(text: &str) -> String {
-        let values = text.split("\n# A floor").next().expect("materials").lines();
+        let values = text
+            .split("\n# A floor")
+            .next()
+            .expect("materials")
+            .split("\n# A square")
+            .next()
+            .expect("materials")
+            .lines();
         let cameras = text.find("\n# [[cameras]]").map_or("", |at| &text[at..]).lines();
         let uncommented = |line: &str| match line.strip_prefix("# ") {
             Some(entry) if entry.starts_with("light_units") || entry.contains("# in place") => String::new(),

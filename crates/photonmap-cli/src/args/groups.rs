@@ -87,7 +87,7 @@ pub struct OutputArgs {
     /// and colours are premultiplied; in a PNG, they are not.
     #[arg(long, hide_short_help = true)]
     pub transparent: bool,
-    /// Denoise the finished picture by Open Image Denoise 2, which has to be installed.
+    /// Denoise the finished picture by Open Image Denoise 2 (to install it: pip install pyoidn).
     ///
     /// It is guided by albedos and normals. With --errors, the mean of red, green and blue stays within the claimed error of
     /// the pixel, where there is one. An EXR says so; its layers are not denoised.

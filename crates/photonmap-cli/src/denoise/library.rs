@@ -5,10 +5,12 @@ use std::ffi::{CStr, CString, OsString, c_char, c_int, c_void};
 
 use libloading::Library;
 
+use super::installed::by_pip;
+
 /// Environment variable with the path of the library.
 pub(super) const VARIABLE: &str = "PHOTON_OIDN";
 
-/// Where it is looked for without the variable: the search path of the system.
+/// Where it is looked for without the variable, after the packages of Python: the search path of the system.
 const NAMES: [&str; 4] =
     ["libOpenImageDenoise.so.2", "libOpenImageDenoise.so", "libOpenImageDenoise.2.dylib", "OpenImageDenoise.dll"];
 
@@ -109,10 +111,13 @@ impl Drop for Filter<'_> {
 }
 
 impl Oidn {
-    /// Loads it from the file that [`VARIABLE`] names, else from the search path.
+    /// Loads it from the file that [`VARIABLE`] names, else from the packages of Python or the search path.
     pub(super) fn load() -> Result<Self, String> {
         let named = std::env::var_os(VARIABLE).filter(|name| !name.is_empty());
-        let names: Vec<OsString> = named.map_or_else(|| NAMES.iter().map(OsString::from).collect(), |name| vec![name]);
+        let names: Vec<OsString> = match named {
+            Some(name) => vec![name],
+            None => by_pip().into_iter().map(OsString::from).chain(NAMES.iter().map(OsString::from)).collect(),
+        };
         let mut why = String::new();
         for name in names {
             // SAFETY: loading a library runs its initialisers; this one is asked for by the user.

@@ -80,6 +80,22 @@ impl Column {
         self == Self::Hits
     }
 
+    /// Why bits cannot be a sum of that many passes.
+    pub(crate) fn fault(self, bits: u64, passes: u64) -> Option<String> {
+        // Directions, and differences of estimates, have both signs.
+        let is_signed = matches!(
+            self,
+            Self::Normal | Self::Bias | Self::Narrow | Self::Moments(_, Moment::Slope | Moment::Quadrupole)
+        );
+        if self.is_integer() {
+            return (bits > passes).then(|| format!("is {bits}, but there are {passes} passes"));
+        }
+        let value = f64::from_bits(bits);
+        let is_valid = value.is_finite() && (is_signed || value >= 0.0);
+        (!is_valid)
+            .then(|| format!("is {value}, but must be {}", if is_signed { "finite" } else { "finite and at least 0" }))
+    }
+
     /// The sum of two numbers, both and the result as bits.
     pub(crate) fn add(self, a: u64, b: u64) -> u64 {
         if self.is_integer() { a.saturating_add(b) } else { (f64::from_bits(a) + f64::from_bits(b)).to_bits() }

@@ -95,7 +95,7 @@ pub enum FilmFileError {
 
 impl FilmFileError {
     pub(crate) fn damaged(path: &Path, why: impl ToString) -> Self {
-        Self::Damaged { path: path.to_owned(), why: why.to_string() }
+        Self::Damaged { path: path.to_owned(), why: shown(&why.to_string()) }
     }
 
     pub(crate) fn write(path: &Path, why: impl ToString) -> Self {
@@ -105,4 +105,22 @@ impl FilmFileError {
     pub(crate) fn film(path: &Path, source: photon_core::Error) -> Self {
         Self::Film { path: path.to_owned(), source }
     }
+}
+
+/// A text from a file as it is shown: without control characters, which a terminal would obey, and cut at 300 characters.
+#[must_use]
+pub fn shown(text: &str) -> String {
+    const MOST: usize = 300;
+    let mut shown = String::new();
+    for (count, letter) in text.chars().enumerate() {
+        if count == MOST {
+            shown.push('…');
+            break;
+        }
+        match letter {
+            _ if letter.is_control() => shown.extend(letter.escape_default()),
+            _ => shown.push(letter),
+        }
+    }
+    shown
 }

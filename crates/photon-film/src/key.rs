@@ -6,7 +6,8 @@ use std::path::Path;
 use photon_core::{Camera, ErrorTarget, Kernel, NUMERICS, Render, SceneView, Settings, Units, View, check_size};
 use serde::{Deserialize, Serialize};
 
-use crate::error::FilmFileError;
+use crate::camera;
+use crate::error::{FilmFileError, shown};
 
 /// Scene, view, settings and derived choices of a film. Seeds are not part of it: passes of several seeds can be merged.
 ///
@@ -42,7 +43,7 @@ impl FilmKey {
             scene: format!("{:032x}", scene.digest()),
             width: view.width,
             height: view.height,
-            camera: record(&view.camera),
+            camera: camera::record(&view.camera),
             settings: entries(settings),
             photons_per_pass: facts.photons,
             aimed_per_pass: facts.aimed,
@@ -127,8 +128,8 @@ impl FilmKey {
         if !(units.power > 0.0 && units.power.is_finite()) {
             return Err("its power is no positive number".to_owned());
         }
-        if self.radii().iter().any(|radius| radius.is_nan()) {
-            return Err("its radii are no numbers".to_owned());
+        if !self.radii().iter().all(|radius| *radius >= 0.0 && radius.is_finite()) {
+            return Err("its radii are not all numbers of at least 0".to_owned());
         }
         if self.grain == 0 {
             return Err("its grain is 0".to_owned());
@@ -141,23 +142,25 @@ impl FilmKey {
     /// # Errors
     /// [`FilmFileError::OtherKey`] names the first part that differs.
     pub fn check(&self, expected: &Self, path: &Path) -> Result<(), FilmFileError> {
-        let (found, expected) = (self.parts(), expected.parts());
-        let absent = || "absent".to_owned();
-        // The camera depends on the size too.
-        let size = "size".to_owned();
-        let names = std::iter::once(&size).chain(found.keys()).chain(expected.keys());
-        let differ = names.into_iter().find(|name| found.get(*name) != expected.get(*name));
-        let Some(name) = differ else { return Ok(()) };
-        Err(FilmFileError::OtherKey {
-            path: path.to_owned(),
-            what: name.clone(),
-            found: found.get(name).cloned().unwrap_or_else(absent),
-            expected: expected.get(name).cloned().unwrap_or_else(absent),
-        })
+        let (found, other) = (self.parts(), expected.parts());
+        let of = |parts: &[(String, String)], name: &str| {
+            parts
+                .iter()
+                .find(|(known, _)| known == name)
+                .map_or_else(|| "absent".to_owned(), |(_, value)| value.clone())
+        };
+        let names = found.iter().chain(&other).map(|(name, _)| name);
+        let Some(name) = names.into_iter().find(|name| of(&found, name) != of(&other, name)) else { return Ok(()) };
+        let [found, expected] = match name.as_str() {
+            CAMERA => camera::difference([&self.camera, &expected.camera]),
+            _ => [of(&found, name), of(&other, name)],
+        };
+        let [what, found, expected] = [name, &found, &expected].map(|text| shown(text));
+        Err(FilmFileError::OtherKey { path: path.to_owned(), what, found, expected })
     }
 
-    /// All parts by name, as text.
-    fn parts(&self) -> BTreeMap<String, String> {
+    /// All parts by name, as text: those first on which others depend.
+    fn parts(&self) -> Vec<(String, String)> {
         // Every member by name: a new one is an error here until it is compared.
         let Self {
             scene,
@@ -173,26 +176,27 @@ impl FilmKey {
             numerics,
         } = self;
         let aimed = aimed_per_pass.map_or("none".to_owned(), |aimed| aimed.to_string());
-        let parts = [
-            ("digest of the scene", scene.clone()),
-            ("size", format!("{width}x{height}")),
-            ("camera", camera.clone()),
-            ("number of photons per pass", photons_per_pass.to_string()),
-            ("number of aimed photons per pass", aimed),
-            ("units (bits of centre, scale and power)", units.join(" ")),
-            ("list of radii (bits)", radii.join(" ")),
-            ("grain", grain.to_string()),
-            ("version of the numerics", numerics.to_string()),
+        let named = |name: &str, value: String| (name.to_owned(), value);
+        let mut parts = vec![
+            named("scene", format!("that of digest {scene}")),
+            named("size", format!("{width}x{height}")),
+            named(CAMERA, camera.clone()),
         ];
-        let settings = settings.iter().map(|(name, value)| (format!("setting {name}"), value.clone()));
-        parts.into_iter().map(|(name, value)| (name.to_owned(), value)).chain(settings).collect()
+        parts.extend(settings.iter().map(|(name, value)| (format!("setting {name}"), value.clone())));
+        parts.extend([
+            named("number of photons per pass", photons_per_pass.to_string()),
+            named("number of aimed photons per pass", aimed),
+            named("units (bits of centre, scale and power)", units.join(" ")),
+            named("list of radii (bits)", radii.join(" ")),
+            named("grain", grain.to_string()),
+            named("version of the numerics", numerics.to_string()),
+        ]);
+        parts
     }
 }
 
-/// The bytes of a camera in hexadecimal.
-fn record(camera: &Camera) -> String {
-    bytemuck::bytes_of(camera).iter().map(|byte| format!("{byte:02x}")).collect()
-}
+/// Name of the camera among the parts.
+const CAMERA: &str = "camera";
 
 /// The settings that passes depend on, by name.
 fn entries(settings: &Settings) -> BTreeMap<String, String> {

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub mod atomic_write;
+mod camera;
 mod column;
 mod error;
 mod header;
@@ -17,7 +18,7 @@ mod tally;
 mod words;
 mod write;
 
-pub use error::FilmFileError;
+pub use error::{FilmFileError, shown};
 pub use header::{FORMAT, FilmInfo, Maker};
 pub use key::FilmKey;
 pub use merge::merge;

@@ -69,6 +69,10 @@ impl FilmReader<BufReader<File>> {
     /// Opens a file.
     pub(crate) fn open(path: &Path) -> Result<Self, FilmFileError> {
         let open = || -> std::io::Result<_> {
+            // Opening a pipe would wait for its writer.
+            if !std::fs::metadata(path)?.is_file() {
+                return Err(std::io::Error::other("it is not a regular file"));
+            }
             let file = File::open(path)?;
             let length = file.metadata()?.len();
             Ok((file, length))
@@ -145,10 +149,18 @@ impl<R: Read + Seek> FilmReader<R> {
         }
         let mut bytes = vec![0; width as usize * column.width() * 8];
         let mut row = vec![0_u64; width as usize * column.width()];
-        for _ in 0..height {
+        let passes = self.info.contains.count();
+        for y in 0..height {
             file.read_exact(&mut bytes).map_err(|error| damaged(&error))?;
             let (words, _) = bytes.as_chunks::<8>();
             row.iter_mut().zip(words).for_each(|(bits, word)| *bits = u64::from_le_bytes(*word));
+            // Checksums are right where a broken computer wrote wrong sums.
+            if let Some((at, why)) =
+                row.iter().enumerate().find_map(|(at, &bits)| Some((at, column.fault(bits, passes)?)))
+            {
+                let x = at / column.width();
+                return Err(damaged(&format!("the sum of the pixel in column {x} and row {y} {why}")));
+            }
             take(&row);
         }
         // The checksum is compared at the end of the data.

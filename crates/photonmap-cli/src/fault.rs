@@ -73,6 +73,19 @@ impl Fault {
     }
 }
 
+/// Refuses a pipe or a device, which could be read without end, and a folder; a file that does not exist is left to its reader.
+///
+/// # Errors
+/// [`Fault::Input`], which names the file.
+pub fn check_regular(path: &Path) -> Result<(), Fault> {
+    match std::fs::metadata(path) {
+        Ok(data) if !data.is_file() => {
+            Err(Fault::input(format!("{}: is not a regular file; write it to a file first", path.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
 impl From<photon_core::Error> for Fault {
     fn from(error: photon_core::Error) -> Self {
         use photon_core::Error as E;

@@ -1,8 +1,10 @@
 //! NumPy array files, as far as `photonmap map` needs them: two-dimensional, little-endian, in C order.
 
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::fault::Fault;
+use crate::fault::{Fault, check_regular};
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
@@ -12,6 +14,7 @@ const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// [`Fault::Input`], which names the file and what is wrong with it.
 pub fn read_points(path: &Path) -> Result<Vec<[f32; 3]>, Fault> {
     let wrong = |what: &str| Fault::input(format!("{}: {what}", path.display()));
+    check_regular(path)?;
     let bytes = std::fs::read(path).map_err(|why| wrong(&format!("cannot be read: {why}")))?;
     parse(&bytes).map_err(|what| wrong(&what))
 }
@@ -54,27 +57,57 @@ fn parse(bytes: &[u8]) -> Result<Vec<[f32; 3]>, String> {
     Ok(data.chunks_exact(12).map(|row| [number(&row[0..4]), number(&row[4..8]), number(&row[8..12])]).collect())
 }
 
-/// Writes an array of uint32; one-dimensional if `columns` is `None`.
+/// Writes a one-dimensional array of uint32.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the file cannot be written.
-pub fn write_u32(path: &Path, values: &[u32], columns: Option<usize>) -> Result<(), Fault> {
-    let shape = match columns {
-        Some(columns) => format!("({}, {columns})", values.len() / columns.max(1)),
-        None => format!("({},)", values.len()),
-    };
+pub fn write_u32(path: &Path, values: &[u32]) -> Result<(), Fault> {
+    write(path, &format!("({},)", values.len()), |file| write_words(file, values))
+}
+
+/// Writes an array of uint32 with so many rows, of which only the first `known` columns of `columns` are given; the others are
+/// 4294967295.
+///
+/// # Errors
+/// As [`write_u32`].
+pub fn write_rows(path: &Path, values: &[u32], (rows, known, columns): (usize, usize, usize)) -> Result<(), Fault> {
+    const FILL: [u32; 1024] = [u32::MAX; 1024];
+    write(path, &format!("({rows}, {columns})"), |file| {
+        for row in 0..rows {
+            write_words(file, &values[row * known..(row + 1) * known])?;
+            let mut left = columns - known;
+            while left > 0 {
+                let some = left.min(FILL.len());
+                write_words(file, &FILL[..some])?;
+                left -= some;
+            }
+        }
+        Ok(())
+    })
+}
+
+fn write(
+    path: &Path,
+    shape: &str,
+    data: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+) -> Result<(), Fault> {
     let mut header = format!("{{'descr': '<u4', 'fortran_order': False, 'shape': {shape}, }}");
     // Data start at a multiple of 64 bytes.
     while (10 + header.len() + 1) % 64 != 0 {
         header.push(' ');
     }
     header.push('\n');
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend([1, 0]);
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-    crate::atomic_write::write_bytes(path, &bytes)
+    crate::atomic_write::write(path, |file| {
+        file.write_all(MAGIC)?;
+        file.write_all(&[1, 0])?;
+        file.write_all(&(header.len() as u16).to_le_bytes())?;
+        file.write_all(header.as_bytes())?;
+        Ok(data(file)?)
+    })
+}
+
+fn write_words(file: &mut impl Write, values: &[u32]) -> std::io::Result<()> {
+    values.iter().try_for_each(|value| file.write_all(&value.to_le_bytes()))
 }
 
 #[cfg(test)]

@@ -106,3 +106,45 @@ fn descriptions_are_not_believed() {
         assert!(error.contains(culprit), "{culprit}: {error}");
     }
 }
+
+/// Checksums are right where a broken computer wrote wrong sums: they are refused when a film is read and when it is merged.
+#[test]
+fn sums_must_be_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, good, out] = ["a.film", "good.film", "out.film"].map(|name| folder.path().join(name));
+    let Rendered { blocks, info, .. } = &*RENDERED;
+    save(&good, &blocks[0], info).unwrap();
+    type Change = fn(&mut Film);
+    let cases: [(&str, Change); 9] = [
+        ("indirect.npy: the sum of the pixel in column 1 and row 1 is NaN", |film| {
+            film.pixels[4].layers[3][2] = f64::NAN
+        }),
+        ("direct.npy: the sum of the pixel in column 0 and row 0 is inf", |film| {
+            film.pixels[0].layers[1][0] = f64::INFINITY
+        }),
+        ("column 2 and row 1 is -0.5, but must be finite and at least 0", |film| film.pixels[5].square = -0.5),
+        ("normal.npy", |film| film.pixels[0].normal[1] = f64::NAN),
+        ("albedo.npy", |film| film.pixels[0].albedo[1] = -1.0),
+        ("depth.npy", |film| film.pixels[0].depth = f64::INFINITY),
+        ("hits.npy: the sum of the pixel in column 1 and row 0 is 3, but there are 2 passes", |film| {
+            film.pixels[1].hits = 3
+        }),
+        ("bias.npy", |film| film.errors.as_mut().unwrap()[0].bias = f64::NEG_INFINITY),
+        ("narrow_square.npy", |film| film.errors.as_mut().unwrap()[0].narrow_square = -1.0),
+    ];
+    for (culprit, change) in cases {
+        let mut film = blocks[1].clone();
+        change(&mut film);
+        save(&path, &film, info).unwrap();
+        for error in [load(&path).unwrap_err(), crate::merge(&out, &[good.clone(), path.clone()]).unwrap_err()] {
+            let text = error.to_string();
+            assert!(text.contains("a.film") && text.contains(culprit), "{culprit}: {text}");
+        }
+        assert!(!out.exists());
+    }
+    // Directions and differences have signs.
+    let mut film = blocks[1].clone();
+    (film.pixels[0].normal, film.errors.as_mut().unwrap()[0].narrow) = ([-2.0; 3], -1.0);
+    save(&path, &film, info).unwrap();
+    assert!(load(&path).is_ok());
+}

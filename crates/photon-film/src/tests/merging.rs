@@ -74,6 +74,28 @@ fn films_that_do_not_fit_are_named() {
         save(&odd, &film, &other.info).unwrap();
         refused(&["odd.film", culprit]);
     }
+    // The first difference on which others depend, in words.
+    let key = |change: fn(&mut serde_json::Value)| {
+        let mut key = serde_json::to_value(&RENDERED.info.key).unwrap();
+        change(&mut key);
+        FilmInfo { key: serde_json::from_value(key).unwrap(), ..RENDERED.info.clone() }
+    };
+    let other = "0".repeat(32);
+    for (info, culprit) in [
+        (key(|key| (key["scene"], key["camera"]) = ("0".repeat(32).into(), "00".into())), other.as_str()),
+        (
+            key(|key| key["camera"] = format!("0000003f{}", &key["camera"].as_str().unwrap()[8..]).into()),
+            "one with position [0.5, ",
+        ),
+        (
+            key(|key| key["settings"]["kernel"] = "\u{1b}]0;title\u{7}".into()),
+            "setting kernel is \\u{1b}]0;title\\u{7}, not",
+        ),
+        (key(|key| key["settings"]["kernel"] = "x".repeat(9999).into()), "xxx…, not"),
+    ] {
+        save(&odd, &RENDERED.blocks[1], &info).unwrap();
+        refused(&["odd.film", culprit]);
+    }
     let mut key = serde_json::to_value(&RENDERED.info.key).unwrap();
     key["radii"][0] = "3e000000".into();
     let info = FilmInfo { key: serde_json::from_value(key).unwrap(), ..RENDERED.info.clone() };

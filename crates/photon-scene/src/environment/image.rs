@@ -5,7 +5,7 @@ use std::path::Path;
 use super::EnvironmentDesc;
 use crate::error::SceneError;
 use crate::load::budget::Budget;
-use crate::load::{Image, LoadOptions, image_bytes, load_image};
+use crate::load::{Image, LoadOptions, image_header, load_image};
 use crate::report::LoadReport;
 
 impl EnvironmentDesc {
@@ -28,16 +28,23 @@ impl EnvironmentDesc {
     }
 
     pub(crate) fn read_within(path: &Path, report: &mut LoadReport, budget: &Budget) -> Result<Self, SceneError> {
-        if let Some(needed) = image_bytes(path, budget)? {
+        let name = path.display().to_string();
+        if let Some((header, file)) = image_header(path, budget)? {
+            // Before texels are decoded, which may take gigabytes.
+            Self::check_shape(&name, header.size.map(|side| side as usize))?;
+            let needed = file + header.with_colors();
             budget.check(needed, || "the image of the environment".to_owned()).map_err(|why| why.in_file(path))?;
         }
-        Self::of_image(path.display().to_string(), &load_image(path)?, report)
+        Self::of_image(name, &load_image(path)?, report)
     }
 
     fn of_image(name: String, image: &Image, report: &mut LoadReport) -> Result<Self, SceneError> {
         let subject = format!("environment '{name}'");
         let radiance = image.linear_rgb();
         let desc = Self::image(name, image.width as usize, radiance);
+        for remark in &image.remarks {
+            report.approximated(&subject, format!("its image {remark}"));
+        }
         if !image.is_float {
             report.note(
                 subject,
@@ -54,7 +61,7 @@ impl EnvironmentDesc {
                 let what = format!("the texel in column {column}, row {row} is infinite");
                 return Err(desc.fault(what, "limit the values of the image, to 65504 for instance"));
             }
-            report.note(subject, format!("{} texels were negative or not a number, and are 0", image.repaired));
+            report.approximated(subject, format!("{} texels were negative or not a number, and are 0", image.repaired));
         }
         Ok(desc)
     }

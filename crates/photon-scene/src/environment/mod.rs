@@ -160,21 +160,26 @@ impl EnvironmentDesc {
                 Ok(Environment { map, sun: None })
             }
             EnvironmentSource::Image { width, radiance } => {
-                let height = radiance.len().checked_div(*width).unwrap_or(0);
-                // Other projections, such as cube maps and light probes, have other shapes.
-                let (long, high) = (*width as f64, height as f64);
-                if height == 0 || !(1.9 * high..=2.1 * high).contains(&long) {
-                    return Err(self.fault(
-                        format!("it has {width} × {height} texels"),
-                        "an image in latitude and longitude is twice as wide as it is high; convert cube maps and light \
-                         probes to that projection",
-                    ));
-                }
+                Self::check_shape(&self.name, [*width, radiance.len().checked_div(*width).unwrap_or(0)])?;
                 Ok(Environment { map: self.map(*width, radiance)?, sun: None })
             }
             #[cfg(feature = "sky")]
             EnvironmentSource::Sky { elevation_degrees, turbidity } => self.sky_and_sun(*elevation_degrees, *turbidity),
         }
+    }
+
+    /// Checks that an image can be one in latitude and longitude.
+    fn check_shape(name: &str, [width, height]: [usize; 2]) -> Result<(), SceneError> {
+        // Other projections, such as cube maps and light probes, have other shapes.
+        if height > 0 && (1.9 * height as f64..=2.1 * height as f64).contains(&(width as f64)) {
+            return Ok(());
+        }
+        Err(SceneError::Environment {
+            environment: name.to_owned(),
+            what: format!("it has {width} × {height} texels"),
+            hint: "an image in latitude and longitude is twice as wide as it is high; convert cube maps and light probes to \
+                   that projection",
+        })
     }
 
     #[cfg(feature = "sky")]

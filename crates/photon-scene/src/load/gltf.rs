@@ -18,6 +18,7 @@
 //! | normals, tangents, colours, UV sets | those in use; normals by the inverse transpose of the node's matrix |
 //! | `alphaMode`, `alphaCutoff`, alpha of base colour, its texture and `COLOR_0` | alpha coverage; solids are opaque |
 //! | `KHR_meshopt_compression`, `EXT_` | decoded; Draco is refused |
+//! | zeros after the JSON; backslashes in URIs; wrapped or URL-safe base64; last rows of matrices within 10⁻⁴ of 0 0 0 1 | as they are meant |
 //! | `extras.photonmap` | the same in double precision, as [`crate::glb`] writes it |
 //!
 //! Everything that is left out is a line of the report. The document is read without the parser's own
@@ -101,6 +102,7 @@ fn assemble_within(bytes: &[u8], folder: &Path, budget: &Budget) -> Result<(Scen
     extensions::check(&root, &mut report)?;
     let buffers = Buffers::new(&root, folder, bin, budget);
 
+    buffers.report_backslashes(&mut report);
     let mut textures = Textures::new(&root, &buffers);
     survey::plan(&mut textures)?;
     let mut materials = Vec::with_capacity(root.materials.len());
@@ -117,13 +119,19 @@ fn assemble_within(bytes: &[u8], folder: &Path, budget: &Budget) -> Result<(Scen
         materials,
         default_material: None,
         elements: 0,
+        most_elements: meshes::most_elements(buffers.file_bytes(bytes.len() as u64)),
         globals: OnceCell::new(),
         skins: BTreeMap::new(),
     };
     let mut camera_names = Vec::new();
-    for placed in nodes::place(&root)? {
+    let placed = nodes::place(&root)?;
+    nodes::report_absent(&root, &placed, &mut report);
+    for placed in placed {
         let node = &root.nodes[placed.node];
         let part = nodes::node_label(&root, placed.node);
+        if nodes::is_nearly_affine(node) {
+            report.note(&part, "has a matrix whose last row is nearly 0 0 0 1, and taken to be");
+        }
         if let Some(mesh) = node.mesh {
             meshes.add(placed.node, mesh.value(), &placed.transform, &mut builder, &mut report)?;
         }

@@ -26,7 +26,7 @@ use std::path::Path;
 
 pub use self::budget::LoadOptions;
 pub use self::gltf::load_gltf;
-pub(crate) use self::image::image_bytes;
+pub(crate) use self::image::image_header;
 pub use self::image::{Image, ImageError, load_image};
 pub use self::light_units::LightUnits;
 pub use self::obj::load_obj;

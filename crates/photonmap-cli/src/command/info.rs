@@ -38,8 +38,8 @@ fn text(info: &FilmInfo) -> String {
         if info.in_order { "those of a single render" } else { "may differ from those of a single render by rounding" };
     let mut text = String::new();
     let mut line = |name: &str, value: &dyn std::fmt::Display| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{name:<12} {value}");
+        // Writing to a string cannot fail. Names in a film are whatever its writer chose.
+        let _ = writeln!(text, "{name:<12} {}", photon_film::shown(&value.to_string()));
     };
     line("scene", &format!("{}, digest {}", info.scene, key.scene_digest()));
     line("size", &format!("{width}x{height}"));

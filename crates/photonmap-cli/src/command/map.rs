@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use photon_core::IndexKind;
 
+use super::map_scale::Scale;
 use super::map_search::{self, Found, Wanted};
 use crate::args::index_names;
 use crate::backend::{self, BackendName, Chosen};
@@ -80,9 +81,13 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
     if queries.len().checked_mul(width).is_none_or(|cells| cells > 1 << 33) {
         return Err(Fault::input(format!("--k {width} for {} queries is too much", queries.len())));
     }
+    let scale = Scale::of(&photons, &queries);
+    let [photons, queries] = [photons, queries].map(|points| scale.points(points));
+    // More than there are takes no memory while they are searched.
+    let most = u32::try_from(photons.len()).unwrap_or(u32::MAX);
     let wanted = match (args.k, args.radius) {
-        (Some(k), _) => Wanted::Nearest { k, max_radius },
-        (None, radius) => Wanted::Count { radius: radius.unwrap_or(0.0) },
+        (Some(k), _) => Wanted::Nearest { k: k.min(most), max_radius: scale.radius("--max-radius", max_radius)? },
+        (None, radius) => Wanted::Count { radius: scale.radius("--radius", radius.unwrap_or(0.0))? },
     };
     let (file, threads) = (&args.photons, args.threads);
     let found = match backend::open(args.backend, threads)? {
@@ -90,10 +95,17 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
         Chosen::Vulkan(on) => map_search::on_vulkan(*on, &photons, &queries, kind, wanted)?,
     };
     let Found { seconds_build, seconds_query, .. } = found;
+    if let Wanted::Nearest { k, .. } = wanted {
+        scale.check(&photons, &queries, &found.words, k as usize)?;
+    }
 
     let mut written = Outputs::default();
     if let Some(path) = &args.neighbours {
-        written.file(path, npy::write_u32(path, &found.words, args.k.map(|k| k as usize)));
+        let rows = match wanted {
+            Wanted::Nearest { k, .. } => npy::write_rows(path, &found.words, (queries.len(), k as usize, width)),
+            Wanted::Count { .. } => npy::write_u32(path, &found.words),
+        };
+        written.file(path, rows);
     }
     let rate = queries.len() as f64 / seconds_query.max(1e-12);
     if let Some(path) = &args.json {

@@ -7,6 +7,7 @@ pub mod export;
 pub mod info;
 pub mod manual;
 pub mod map;
+mod map_scale;
 mod map_search;
 pub mod merge;
 pub mod outlook;

@@ -170,3 +170,38 @@ fn write_colours(
     let stops = look.exposure.stops(&exposure::measured(&picture.colours, &film.alpha()));
     png_file::write(path, &picture, look.tonemap, stops).map(|()| Some(stops))
 }
+
+/// A command line as it is stored in pictures: paths are file names, since folders tell about the user.
+pub(super) fn command(args: impl Iterator<Item = String>) -> String {
+    let short = |arg: String| match arg.split_once('=') {
+        Some((option, value)) if option.starts_with('-') => format!("{option}={}", without_folder(value)),
+        _ => without_folder(&arg).to_owned(),
+    };
+    args.map(short).collect::<Vec<_>>().join(" ")
+}
+
+/// What follows the last separator of a path.
+pub(super) fn without_folder(text: &str) -> &str {
+    text.rsplit(['/', '\\']).next().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_are_stored_without_folders() {
+        let args = [
+            "/usr/bin/photonmap",
+            "render",
+            "/home/me/a b.glb",
+            "--environment=..\\sky.exr",
+            "--light=-x",
+            "-o",
+            "out/a.exr",
+        ];
+        let expected = "photonmap render a b.glb --environment=sky.exr --light=-x -o a.exr";
+        assert_eq!(command(args.into_iter().map(str::to_owned)), expected);
+        assert_eq!(without_folder("/home/me/sky.exr, scaled by 0.5"), "sky.exr, scaled by 0.5");
+    }
+}

@@ -279,7 +279,7 @@ fn save(
         .map(|stage| format!("{} {:.3}", stage.name(), details.outcome.seconds.get(stage)))
         .collect();
     let mut attributes = vec![
-        ("photon:scene", args.scene.scene.clone()),
+        ("photon:scene", picture::without_folder(&args.scene.scene).to_owned()),
         ("photon:seed", args.settings.photon.seed.to_string()),
         ("photon:passes", passes.to_string()),
         ("photon:photons_per_pass", facts.photons.to_string()),
@@ -287,9 +287,10 @@ fn save(
         ("photon:backend", facts.backend.to_owned()),
         ("photon:device", details.device.to_owned()),
         ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
-        ("photon:command", std::env::args().collect::<Vec<_>>().join(" ")),
+        ("photon:command", picture::command(std::env::args())),
     ];
-    attributes.extend(details.environment.map(|text| ("photon:environment", text.to_owned())));
+    let environment = details.environment.map(picture::without_folder);
+    attributes.extend(environment.map(|text| ("photon:environment", text.to_owned())));
     let attributes: Vec<(String, String)> =
         attributes.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     picture::write(path, shown, look, &attributes)

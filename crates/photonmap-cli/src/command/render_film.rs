@@ -10,7 +10,7 @@ use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
 
 use crate::args::RenderArgs;
-use crate::command::render_blocks;
+use crate::command::{picture, render_blocks};
 use crate::fault::Fault;
 use crate::progress::Progress;
 use crate::watch::Watch;
@@ -64,7 +64,7 @@ pub(super) fn run(
             info.key.check(&key, path)?;
             (Some(film), info)
         }
-        None => (None, FilmInfo::new(key, &args.scene.scene)),
+        None => (None, FilmInfo::new(key, picture::without_folder(&args.scene.scene))),
     };
     let found = film.as_ref().map_or(&info.contains, |film| &film.contains);
     let named = |error| Fault::input(format!("{}: {error}", path.display()));

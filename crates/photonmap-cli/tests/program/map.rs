@@ -91,6 +91,33 @@ fn the_map_finds_what_brute_force_finds() {
             assert_eq!(count as usize, sorted(query, 0.4).len());
         }
     }
+    // Powers of two at which squares of 32 bits overflow and underflow change no neighbour.
+    for backend in ["cpu", "vulkan"].into_iter().filter(|&backend| backend == "cpu" || has_vulkan()) {
+        let (_, plain) = run(backend, &["--k", "10"]);
+        for factor in [2.0_f32.powi(100), 2.0_f32.powi(-110)] {
+            let scaled = |points: &[[f32; 3]]| points.iter().map(|point| point.map(|c| c * factor)).collect::<Vec<_>>();
+            save(&p, &scaled(&photons));
+            save(&q, &scaled(&queries));
+            assert_eq!(run(backend, &["--k", "10"]).1, plain, "{backend} {factor}");
+        }
+        save(&p, &photons);
+        save(&q, &queries);
+    }
+}
+
+/// Rows are as long as was asked for, but take no memory while few photons are searched: 2³¹ columns would take 8 GiB.
+#[test]
+fn more_neighbours_than_there_are_take_no_memory() {
+    let folder = folder("map-many");
+    let points = folder.join("p.npy");
+    save(&points, &[[0.0; 3], [1.0; 3]]);
+    let files = ["--photons", points.to_str().unwrap(), "--queries", points.to_str().unwrap(), "--backend", "cpu"];
+    let output = photonmap("map").args(files).args(["--k", "2147483648"]).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    // Too close together beside the largest coordinate.
+    save(&points, &[[0.0; 3], [1.0; 3], [1e-36; 3]]);
+    refused(&photonmap("map").args(files).args(["--k", "2"]).output().unwrap(), "query 0 and photon 2 are");
+    refused(&photonmap("map").args(files).args(["--radius", "1e-36"]).output().unwrap(), "--radius is 1e-36");
 }
 
 #[test]
@@ -120,5 +147,25 @@ fn what_is_wrong_is_named() {
     for backend in ["cpu", "auto"] {
         let output = photonmap("map").args(files).args(["--backend", backend]).output().unwrap();
         refused(&output, "nan.npy: point 1 has the coordinates [NaN, NaN, NaN], which are not finite");
+    }
+}
+
+/// A pipe would be waited for.
+#[cfg(unix)]
+#[test]
+fn pipes_are_refused() {
+    let folder = folder("map-pipes");
+    let (pipe, good) = (folder.join("pipe"), folder.join("good.npy"));
+    save(&good, &[[0.0; 3]]);
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let [pipe, good] = [&pipe, &good].map(|path| path.to_str().unwrap());
+    for (command, arguments) in [
+        ("map", &["--photons", pipe, "--queries", good, "--k", "1"][..]),
+        ("map", &["--photons", good, "--queries", pipe, "--k", "1"]),
+        ("compare", &[pipe, pipe]),
+        ("info", &[pipe]),
+    ] {
+        let output = photonmap(command).args(arguments).output().unwrap();
+        refused(&output, "not a regular file");
     }
 }

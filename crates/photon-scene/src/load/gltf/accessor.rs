@@ -1,5 +1,7 @@
 //! Reads numbers from buffers; every read is bounds-checked.
 
+use std::cell::Cell;
+
 use gltf::json::Root;
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::validation::Checked;
@@ -7,14 +9,16 @@ use gltf::json::validation::Checked;
 use super::buffers::Buffers;
 use super::fault::{AGAIN, Fault, label};
 
-/// An accessor without data stands for zeros; more elements than this are treated as damage,
-/// since a few bytes of JSON could otherwise request all available memory.
+/// An accessor without data stands for zeros; more elements than this, over all of its uses, are treated as damage, since a
+/// few bytes of JSON could otherwise request all available memory.
 const MAX_ZEROS: u64 = 1 << 22;
 
 /// Reads the accessors of a file.
 pub(super) struct Accessors<'a> {
     root: &'a Root,
     buffers: &'a Buffers<'a>,
+    /// Elements without data that were read.
+    zeros: Cell<u64>,
 }
 
 /// Layout of the elements of an accessor in its bytes.
@@ -27,7 +31,7 @@ struct Elements<'a> {
 
 impl<'a> Accessors<'a> {
     pub(super) fn new(root: &'a Root, buffers: &'a Buffers<'a>) -> Self {
-        Self { root, buffers }
+        Self { root, buffers, zeros: Cell::new(0) }
     }
 
     /// Number of elements, without reading them.
@@ -125,10 +129,13 @@ impl<'a> Accessors<'a> {
                 let elements = Elements { bytes, stride, component, normalized };
                 (0..count as usize).map(|at| take(&elements, at)).collect()
             }
-            None if count <= MAX_ZEROS => vec![zero; count as usize],
             None => {
-                let why = format!("has {count} elements but no data");
-                return Err(Fault::new(part, why, "export the file again, without compression"));
+                self.zeros.set(self.zeros.get().saturating_add(count));
+                if self.zeros.get() > MAX_ZEROS {
+                    let why = format!("has {count} elements but no data, and brings such elements to over {MAX_ZEROS}");
+                    return Err(Fault::new(part, why, "export the file again, without compression"));
+                }
+                vec![zero; count as usize]
             }
         };
 

@@ -30,7 +30,11 @@ pub(super) fn read(
         colors: reader.list(Semantic::Colors(0), &[Type::Vec3, Type::Vec4], [1.0; 4])?.unwrap_or_default(),
         ..VertexAttributes::default()
     };
-    attributes.colors.as_flattened_mut().iter_mut().filter(|part| part.is_nan()).for_each(|part| *part = 0.0);
+    let invalid = attributes.colors.as_flattened_mut().iter_mut().filter(|part| part.is_nan());
+    let invalid = invalid.map(|part| *part = 0.0).count();
+    if invalid > 0 {
+        reader.report.approximated(part, format!("{invalid} numbers of its COLOR_0 are NaN, and taken as 0"));
+    }
     // Without normals, tangents have to be ignored (glTF 2.0 specification, section 3.7.2.1), except those of our own files.
     let needs_tangents = material.textures.normal.is_some() || material.anisotropy > 0.0;
     if needs_tangents && (!attributes.normals.is_empty() || extras.tangents.is_some()) {
@@ -95,6 +99,42 @@ impl Reader<'_, '_, '_> {
         self.report.left_out(self.part, text);
         Ok(None)
     }
+}
+
+/// Leaves out the vertices that no triangle has: many primitives may share the vertices of one list.
+pub(super) fn keep_used(
+    is_used: &[bool],
+    positions: &mut Vec<[f64; 3]>,
+    triangles: &mut [[u32; 3]],
+    attributes: &mut VertexAttributes,
+    matrices: Option<&mut Vec<DMat4>>,
+) {
+    if is_used.iter().all(|&is_used| is_used) {
+        return;
+    }
+    let places = is_used.iter().scan(0, |count, &is_used| {
+        let place = *count;
+        *count += u32::from(is_used);
+        Some(place)
+    });
+    let places: Vec<u32> = places.collect();
+    triangles.as_flattened_mut().iter_mut().for_each(|vertex| *vertex = places[*vertex as usize]);
+    keep(positions, is_used);
+    let VertexAttributes { normals, tangents, colors, uvs } = attributes;
+    keep(normals, is_used);
+    keep(tangents, is_used);
+    keep(colors, is_used);
+    uvs.iter_mut().for_each(|set| keep(set, is_used));
+    if let Some(matrices) = matrices {
+        keep(matrices, is_used);
+    }
+}
+
+/// The values of the vertices in use, in as much memory.
+fn keep<T>(values: &mut Vec<T>, is_used: &[bool]) {
+    let mut used = is_used.iter();
+    values.retain(|_| used.next().copied().unwrap_or(true));
+    values.shrink_to_fit();
 }
 
 /// Transforms normals and tangents from the space of a node to that of the scene.

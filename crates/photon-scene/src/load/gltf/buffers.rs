@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use gltf::json::Root;
@@ -10,6 +11,7 @@ use super::fault::{AGAIN, COPY_AGAIN, Fault, label};
 use super::meshopt::Compressed;
 use super::uri;
 use crate::load::budget::Budget;
+use crate::report::LoadReport;
 
 /// The buffers of a file.
 pub(super) struct Buffers<'a> {
@@ -64,6 +66,22 @@ impl<'a> Buffers<'a> {
         let missing = missing.filter(|((_, needed), loaded)| *needed && loaded.get().is_none());
         let length = |uri| uri::length(uri, self.folder).unwrap_or(0);
         missing.filter_map(|((buffer, _), _)| buffer.uri.as_deref().map(length)).fold(decoded, u64::saturating_add)
+    }
+
+    /// Bytes of the document, and of the buffers in files beside it.
+    pub(super) fn file_bytes(&self, document: u64) -> u64 {
+        let uris = self.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+        let files: BTreeSet<&str> = uris.filter(|uri| !uri.starts_with("data:")).collect();
+        files.iter().map(|uri| uri::length(uri, self.folder).unwrap_or(0)).fold(document, u64::saturating_add)
+    }
+
+    /// Reports files that are found although their URIs have backslashes, which a URI has not.
+    pub(super) fn report_backslashes(&self, report: &mut LoadReport) {
+        let buffers = self.root.buffers.iter().map(|buffer| buffer.uri.as_deref());
+        let uris = buffers.chain(self.root.images.iter().map(|image| image.uri.as_deref())).flatten();
+        for uri in uris.filter(|uri| uri::has_backslashes(uri, self.folder)) {
+            report.note(format!("the file {uri}"), "is named with backslashes, which are read as slashes");
+        }
     }
 
     /// The bytes of a buffer view; `user` is named in errors.

@@ -3,7 +3,7 @@
 use gltf::json::{Root, Value, deserialize, serialize};
 
 use super::fault::{AGAIN, COPY_AGAIN, Fault};
-use super::morph;
+use super::{extensions, morph};
 use crate::report::LoadReport;
 
 pub(super) const MAGIC: &[u8] = b"glTF";
@@ -81,8 +81,14 @@ fn read_u32(bytes: &[u8], at: usize) -> Option<u32> {
 fn parse(json: &[u8], report: &mut LoadReport) -> Result<Root, Fault> {
     const HINT: &str = "the file is damaged, or it is not a glTF file";
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
-    let mut value: Value = deserialize::from_slice(json)
-        .map_err(|error| Fault::new("the JSON", error.to_string(), HINT).at_line(error.line()))?;
+    // Some writers fill up chunks with zeros, not with spaces.
+    let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let json = &json[..end];
+    let mut value: Value = deserialize::from_slice(json).map_err(|error| match not_a_number(json, &error) {
+        Some(found) => Fault::new("the JSON", found, "write a number in its place, or null").at_line(error.line()),
+        None => Fault::new("the JSON", error.to_string(), HINT).at_line(error.line()),
+    })?;
+    extensions::report_undeclared(&value, report);
     if let Some(place) = find_oversized_index(&value, "") {
         return Err(Fault::new(place.trim_start_matches('/'), "is above 4294967295, the largest index", AGAIN));
     }
@@ -100,6 +106,20 @@ fn parse(json: &[u8], report: &mut LoadReport) -> Result<Root, Fault> {
             if is_same { fault.at_line(error.line()) } else { fault }
         })
     })
+}
+
+/// The word for a number without a value where the parser stopped, as some programs write it, and its place.
+fn not_a_number(json: &[u8], error: &gltf::json::Error) -> Option<String> {
+    let line = json.split(|&byte| byte == b'\n').nth(error.line().checked_sub(1)?)?;
+    let is_word = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'-' || *byte == b'+';
+    // Columns are counted from 1; the parser stops at one of the first letters.
+    let at = error.column().checked_sub(1)?.min(line.len().checked_sub(1)?);
+    let start = line[..at].iter().rposition(|byte| !is_word(byte)).map_or(0, |before| before + 1);
+    let length = line[start..].iter().take(12).take_while(|byte| is_word(byte)).count();
+    let word = std::str::from_utf8(&line[start..start + length]).ok()?;
+    let plain = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
+    let place = format!("line {}, column {}", error.line(), start + 1);
+    ["nan", "inf", "infinity"].contains(&plain.as_str()).then(|| format!("has {word}, which is no number, at {place}"))
 }
 
 /// Finds the top-level part of a document that cannot be parsed, since the parser only reports a column

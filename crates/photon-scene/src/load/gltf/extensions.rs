@@ -1,6 +1,8 @@
 //! Which glTF extensions are supported, and which are rejected if required.
 
-use gltf::json::Root;
+use std::collections::BTreeSet;
+
+use gltf::json::{Root, Value};
 
 use super::fault::Fault;
 use crate::report::LoadReport;
@@ -42,9 +44,8 @@ fn hint(extension: &str) -> &'static str {
 /// Material extensions are never rejected: they change how a surface looks, which the report
 /// says, and a picture without them still shows the scene.
 pub(super) fn check(root: &Root, report: &mut LoadReport) -> Result<(), Fault> {
-    let is_of_material = |name: &str| name.contains("_materials_");
     for name in root.extensions_required.iter().map(String::as_str) {
-        if !KNOWN.contains(&name) && !HARMLESS.contains(&name) && !is_of_material(name) {
+        if !is_read(name) {
             let why = format!("requires the extension {name}, which is not supported");
             return Err(Fault::new("extensionsRequired", why, hint(name)));
         }
@@ -52,9 +53,38 @@ pub(super) fn check(root: &Root, report: &mut LoadReport) -> Result<(), Fault> {
     for name in root.extensions_used.iter().map(String::as_str) {
         if name == "KHR_materials_variants" {
             report.note("the file", "has material variants; the default ones are rendered");
-        } else if !KNOWN.contains(&name) && !HARMLESS.contains(&name) && !is_of_material(name) {
+        } else if !is_read(name) {
             report.left_out("the file", format!("the extension {name} is not supported; {}", hint(name)));
         }
     }
     Ok(())
+}
+
+/// Reports extensions that objects have, but the file does not declare, and that are not read.
+pub(super) fn report_undeclared(document: &Value, report: &mut LoadReport) {
+    let declared = |name: &str| {
+        let all = document.get("extensionsUsed").and_then(Value::as_array);
+        all.is_some_and(|all| all.iter().any(|known| known.as_str() == Some(name)))
+    };
+    let mut found = BTreeSet::new();
+    let mut pending = vec![document];
+    while let Some(value) = pending.pop() {
+        match value {
+            Value::Array(items) => pending.extend(items),
+            Value::Object(fields) => {
+                let extensions = fields.get("extensions").and_then(Value::as_object);
+                found.extend(extensions.into_iter().flat_map(|all| all.keys()).filter(|name| !declared(name)));
+                pending.extend(fields.iter().filter(|(name, _)| *name != "extras").map(|(_, field)| field));
+            }
+            _ => {}
+        }
+    }
+    for name in found.into_iter().filter(|name| !is_read(name)) {
+        report.left_out("the file", format!("the extension {name} is not supported; {}", hint(name)));
+    }
+}
+
+/// Whether the extension is supported, only carries metadata, or is reported for each material.
+fn is_read(name: &str) -> bool {
+    KNOWN.contains(&name) || HARMLESS.contains(&name) || name.contains("_materials_")
 }

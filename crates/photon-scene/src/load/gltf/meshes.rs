@@ -18,9 +18,18 @@ use crate::describe::MaterialDesc;
 use crate::load::budget::Budget;
 use crate::report::LoadReport;
 
-/// More vertex positions and indices than this, over all instances, are treated as damage: a few
-/// nodes that share a mesh could otherwise request all available memory.
+/// More vertices and indices than this, over all instances, are treated as damage: a few nodes that share a mesh could
+/// otherwise request all available memory.
 const MAX_ELEMENTS: u64 = 1 << 28;
+/// So many are always allowed; more only if the file has a byte for [`MOST_PER_BYTE`] of them.
+const FREE_ELEMENTS: u64 = 1 << 25;
+/// Vertices and indices for each byte of a file. A forest of a few hundred instances of whole trees has about ten.
+const MOST_PER_BYTE: u64 = 256;
+
+/// The number of vertices and indices, over all instances, of a file of that many bytes with its buffers.
+pub(super) fn most_elements(bytes: u64) -> u64 {
+    bytes.saturating_mul(MOST_PER_BYTE).clamp(FREE_ELEMENTS, MAX_ELEMENTS)
+}
 
 /// Adds the mesh of a node, one mesh of the builder for each primitive.
 pub(super) struct Meshes<'a> {
@@ -29,8 +38,9 @@ pub(super) struct Meshes<'a> {
     pub(super) budget: &'a Budget,
     pub(super) materials: Vec<MaterialId>,
     pub(super) default_material: Option<MaterialId>,
-    /// Vertices and indices so far.
+    /// Vertices and indices so far, and at most.
     pub(super) elements: u64,
+    pub(super) most_elements: u64,
     /// Transforms of all nodes, and the skins read so far, both on first use.
     pub(super) globals: OnceCell<Vec<DMat4>>,
     pub(super) skins: BTreeMap<usize, Rc<Skin>>,
@@ -102,10 +112,10 @@ impl Meshes<'_> {
         let times = 1 + morph.len() as u64;
         let size = primitive::size(&self.accessors, source, part)?.saturating_mul(times);
         self.elements = self.elements.saturating_add(size);
-        if self.elements > MAX_ELEMENTS {
+        if self.elements > self.most_elements {
             return Err(Fault::new(
                 part,
-                format!("brings the scene to over {MAX_ELEMENTS} vertices and indices"),
+                format!("brings the scene to over {} vertices and indices, the most for its size", self.most_elements),
                 "leave out instances, or use coarser meshes",
             ));
         }
@@ -128,12 +138,13 @@ impl Meshes<'_> {
         let (mut positions, mut triangles) = (read.positions, read.triangles);
         let mut attributes =
             attributes::read(&self.accessors, source, desc, (positions.len(), &read.extras), part, report)?;
-        morph.displace(&self.accessors, &mut positions, part)?;
+        morph.displace(&self.accessors, &mut positions, &read.is_used, part)?;
         morph.tilt(&self.accessors, &mut attributes, part)?;
-        let matrices = match skin {
+        let mut matrices = match skin {
             Some(skin) => skin.matrices(&self.accessors, source, positions.len(), part, report)?,
             None => None,
         };
+        attributes::keep_used(&read.is_used, &mut positions, &mut triangles, &mut attributes, matrices.as_mut());
         if let Some(matrices) = matrices {
             skin::pose(&matrices, &mut positions, &mut triangles, &mut attributes);
             builder.mesh_with(name, positions, triangles, attributes, material);

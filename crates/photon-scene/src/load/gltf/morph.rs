@@ -50,17 +50,20 @@ impl<'a> Morph<'a> {
         self.used.len()
     }
 
-    /// Adds the displacements of positions.
+    /// Adds the displacements of positions, which have to be finite where a triangle has the vertex.
     pub(super) fn displace(
         &self,
         accessors: &Accessors<'_>,
         positions: &mut [[f64; 3]],
+        is_used: &[bool],
         part: &str,
     ) -> Result<(), Fault> {
         for (target, weight) in &self.used {
             let Some(accessor) = target.positions else { continue };
             let deltas = deltas(accessors, accessor.value(), positions.len(), part)?;
-            if let Some(vertex) = deltas.iter().position(|delta| delta.iter().any(|part| !part.is_finite())) {
+            let is_invalid =
+                |(delta, is_used): (&[f64; 3], &bool)| *is_used && delta.iter().any(|part| !part.is_finite());
+            if let Some(vertex) = deltas.iter().zip(is_used).position(is_invalid) {
                 let why = format!("a morph target displaces vertex {vertex} by {:?}", deltas[vertex]);
                 return Err(Fault::new(part, why, "every coordinate must be a finite number; repair the mesh"));
             }

@@ -4,6 +4,11 @@ use glam::{DMat4, DQuat, DVec3, DVec4};
 use gltf::json::{Node, Root};
 
 use super::fault::{AGAIN, Fault, label};
+use crate::report::LoadReport;
+
+/// Greatest difference of the last row of a matrix from 0 0 0 1 that is taken as rounding: matrices are stored in single
+/// precision, and computed from products and inverses.
+const ROW_TOLERANCE: f64 = 1e-4;
 
 /// A node of the scene and its transform.
 #[derive(Debug)]
@@ -141,14 +146,41 @@ fn refuse_cycles(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
     }
 }
 
+/// Whether the matrix of a node is rounded in its last row.
+pub(super) fn is_nearly_affine(node: &Node) -> bool {
+    node.matrix.is_some_and(|m| [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0])
+}
+
+/// The matrix with the exact last row 0 0 0 1.
+pub(super) fn affine(mut matrix: DMat4) -> DMat4 {
+    [matrix.x_axis.w, matrix.y_axis.w, matrix.z_axis.w, matrix.w_axis.w] = [0.0, 0.0, 0.0, 1.0];
+    matrix
+}
+
+/// Reports the nodes that are not in the scene, and hidden ones, if anything is at them or below them.
+pub(super) fn report_absent(root: &Root, placed: &[Placed], report: &mut LoadReport) {
+    let mut is_placed = vec![false; root.nodes.len()];
+    placed.iter().for_each(|placed| is_placed[placed.node] = true);
+    let has_content = |node: &Node| {
+        let extensions = node.extensions.as_ref();
+        node.mesh.is_some() || node.camera.is_some() || extensions.is_some_and(|all| all.khr_lights_punctual.is_some())
+    };
+    let absent = root.nodes.iter().zip(is_placed).filter(|(node, is_placed)| !is_placed && has_content(node)).count();
+    if absent > 0 {
+        let text = format!("has {absent} nodes with meshes, lights or cameras that are hidden or not in the scene");
+        report.note("the file", text);
+    }
+}
+
 /// The transform of a node relative to its parent.
 fn local(node: &Node, part: &str) -> Result<DMat4, Fault> {
     if let Some(matrix) = node.matrix {
         let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
-        if matrix.row(3) != DVec4::W {
-            return Err(Fault::new(part, "has a matrix whose last row is not 0 0 0 1", AGAIN));
+        if !(matrix.row(3) - DVec4::W).abs().cmple(DVec4::splat(ROW_TOLERANCE)).all() {
+            let why = format!("has a matrix whose last row is {}, not 0 0 0 1", matrix.row(3));
+            return Err(Fault::new(part, why, AGAIN));
         }
-        return Ok(matrix);
+        return Ok(affine(matrix));
     }
     let vector = |value: Option<[f32; 3]>, default| value.map_or(default, |v| DVec3::from(v.map(f64::from)));
     let rotation = match node.rotation {

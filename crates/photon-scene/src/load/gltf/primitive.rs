@@ -14,6 +14,8 @@ pub(super) struct Triangles {
     pub(super) positions: Vec<[f64; 3]>,
     /// Vertex indices, all in range; counter-clockwise seen from the front.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Whether a triangle has the vertex, for each.
+    pub(super) is_used: Vec<bool>,
     /// Where exact values of attributes are.
     pub(super) extras: PrimitiveExtras,
     /// Number of vertices at the end of the list that do not form a whole triangle.
@@ -44,7 +46,8 @@ pub(super) fn size(accessors: &Accessors<'_>, primitive: &Primitive, part: &str)
     Ok(indices.saturating_add(count(attribute(primitive, Semantic::Positions))?))
 }
 
-/// Upper bound on the bytes that it takes up in the scene, without reading it.
+/// Upper bound on the bytes that it takes up in the scene, in which there are only vertices that triangles have, without
+/// reading it.
 pub(super) fn bytes(accessors: &Accessors<'_>, primitive: &Primitive, part: &str) -> Result<u64, Fault> {
     let Some(positions) = attribute(primitive, Semantic::Positions) else { return Ok(0) };
     let vertices = accessors.count(positions, part)?;
@@ -60,7 +63,7 @@ pub(super) fn bytes(accessors: &Accessors<'_>, primitive: &Primitive, part: &str
     });
     // A strip has nearly as many triangles as corners.
     let triangle = if matches!(primitive.mode, Checked::Valid(Mode::Triangles)) { 4 } else { 12 };
-    Ok(vertices.saturating_mul(each.sum()).saturating_add(corners.saturating_mul(triangle)))
+    Ok(vertices.min(corners).saturating_mul(each.sum()).saturating_add(corners.saturating_mul(triangle)))
 }
 
 /// Reads a primitive for which [`is_surface`] holds.
@@ -71,6 +74,7 @@ pub(super) fn read(
     report: &mut LoadReport,
 ) -> Result<Triangles, Fault> {
     let Some(positions) = attribute(primitive, Semantic::Positions) else {
+        report.left_out(part, "has no POSITION");
         return Ok(Triangles::default());
     };
     let positions = accessors.vectors(positions, part)?;
@@ -106,16 +110,18 @@ pub(super) fn read(
     }
 
     let (triangles, stray) = assemble(&order, primitive.mode);
-    // Vertices that no triangle uses may be anything.
-    let is_finite = |&vertex: &u32| positions[vertex as usize].iter().all(|part| part.is_finite());
-    if let Some(&vertex) = triangles.as_flattened().iter().find(|vertex| !is_finite(vertex)) {
+    // Vertices that no triangle has may be anything.
+    let mut is_used = vec![false; positions.len()];
+    triangles.as_flattened().iter().for_each(|&vertex| is_used[vertex as usize] = true);
+    let is_invalid = |(position, is_used): (&[f64; 3], &bool)| *is_used && position.iter().any(|x| !x.is_finite());
+    if let Some(vertex) = positions.iter().zip(&is_used).position(is_invalid) {
         return Err(Fault::new(
             part,
-            format!("vertex {vertex} is at {:?}", positions[vertex as usize]),
+            format!("vertex {vertex} is at {:?}", positions[vertex]),
             "every coordinate must be a finite number; repair the mesh and export it again",
         ));
     }
-    Ok(Triangles { positions, triangles, extras, stray })
+    Ok(Triangles { positions, triangles, is_used, extras, stray })
 }
 
 /// Values in double precision, if the extras refer to them and they round to those of the file.

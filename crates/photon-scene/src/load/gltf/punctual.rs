@@ -101,8 +101,12 @@ pub(super) fn add_camera(
     let name = if names.contains(&name) { format!("{name} at {node}") } else { name };
     names.push(name.clone());
     // Pictures have a size of their own; the height of the view is kept.
-    let wide = found.perspective.as_ref().and_then(|perspective| perspective.aspect_ratio);
-    if let Some(wide) = wide.filter(|wide| wide.is_finite() && *wide > 0.0) {
+    let wide = match (&found.perspective, &found.orthographic) {
+        (Some(perspective), _) => perspective.aspect_ratio,
+        (_, Some(orthographic)) => Some(orthographic.xmag / orthographic.ymag).filter(|wide| *wide != 1.0),
+        _ => None,
+    };
+    if let Some(wide) = wide.map(f32::abs).filter(|wide| wide.is_finite() && *wide > 0.0) {
         let subject = format!("camera '{name}'");
         report.note(subject, format!("is made for pictures whose width is {wide:.3} times their height"));
     }

@@ -8,6 +8,7 @@ use gltf::json::mesh::{Primitive, Semantic};
 use super::accessor::Accessors;
 use super::attributes::Directions;
 use super::fault::{AGAIN, Fault, label};
+use super::nodes::affine;
 use super::primitive::attribute;
 use crate::mesh::VertexAttributes;
 use crate::report::LoadReport;
@@ -147,12 +148,6 @@ impl Skin {
         }
         means
     }
-}
-
-/// The matrix with the exact last row 0 0 0 1.
-fn affine(mut matrix: DMat4) -> DMat4 {
-    [matrix.x_axis.w, matrix.y_axis.w, matrix.z_axis.w, matrix.w_axis.w] = [0.0, 0.0, 0.0, 1.0];
-    matrix
 }
 
 /// Transforms each vertex by its matrix; triangles of which most corners are mirrored keep their front side.

@@ -1,4 +1,4 @@
-//! Which images the materials of a file use, before any is decoded: under a limit on memory, all are planned together.
+//! Which images the materials of a file use, before any is decoded: all are planned together.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -53,16 +53,13 @@ impl Survey {
     }
 }
 
-/// Plans the sizes of all images if memory is limited.
+/// Plans the sizes of all images.
 ///
 /// # Errors
 ///
 /// The textures that do not fit; a buffer with images that does not fit or cannot be read.
 pub(super) fn plan(textures: &mut Textures<'_>) -> Result<(), Fault> {
     let budget = textures.buffers().budget();
-    if budget.left().is_none() {
-        return Ok(());
-    }
     textures.survey = Some(Survey::default());
     let root = textures.root();
     for (index, material) in root.materials.iter().enumerate() {
@@ -78,6 +75,8 @@ pub(super) fn plan(textures: &mut Textures<'_>) -> Result<(), Fault> {
     for (image, uses) in uses {
         match header(textures, image)? {
             None => {}
+            // Decoding it says why, and may find a header that is far from the start.
+            Some(Err(_)) if budget.left().is_none() => {}
             Some(Err(why)) => drop(refused.insert(image, why)),
             Some(Ok((header, file))) => {
                 planned.insert(image, wanted.len());
@@ -86,7 +85,7 @@ pub(super) fn plan(textures: &mut Textures<'_>) -> Result<(), Fault> {
             }
         }
     }
-    let geometry = reserve::geometry(root, textures.buffers());
+    let geometry = budget.left().map_or(0, |_| reserve::geometry(root, textures.buffers()));
     textures.follow(Plan::new(wanted, geometry, budget)?, planned, refused);
     Ok(())
 }

@@ -40,6 +40,8 @@ pub(super) struct Textures<'a> {
     refused: BTreeMap<usize, ImageError>,
     /// Images that are base colours of materials whose alpha is in use.
     covering: BTreeSet<usize>,
+    /// The first image with the same data as each.
+    first: Vec<usize>,
     /// Set while only the uses of images are recorded.
     pub(super) survey: Option<Survey>,
 }
@@ -74,10 +76,11 @@ impl<'a> Textures<'a> {
             planned: BTreeMap::new(),
             refused: BTreeMap::new(),
             covering: BTreeSet::new(),
+            first: first_of_equal(root),
             survey: None,
         };
         let used = root.materials.iter().filter(|material| has_coverage(material)).flat_map(base_colors);
-        textures.covering = used.filter_map(|texture| textures.source(root.textures.get(texture)?)).collect();
+        textures.covering = used.filter_map(|texture| textures.data_of(root.textures.get(texture)?)).collect();
         textures
     }
 
@@ -228,7 +231,7 @@ impl<'a> Textures<'a> {
     fn place(&self, texture: usize, desc: TextureDesc, builder: &mut SceneBuilder) -> Result<TextureId, Fault> {
         let (wrap, filter) = self.sampler(texture)?;
         let weighs = desc.image.format != TexelFormat::Linear8
-            && self.source(&self.root.textures[texture]).is_some_and(|image| self.covering.contains(&image));
+            && self.data_of(&self.root.textures[texture]).is_some_and(|image| self.covering.contains(&image));
         let id = builder.texture(desc.wrapped(wrap).filtered(filter));
         if weighs {
             self.room.borrow_mut().weigh(id);
@@ -256,8 +259,8 @@ impl<'a> Textures<'a> {
         if sampler.is_some_and(|sampler| sampler.mag_filter == Some(Checked::Invalid)) {
             losses.push("its sampler has a magFilter that glTF does not have; it is filtered linearly".to_owned());
         }
-        let source = found.and_then(|found| self.source(found));
-        let Some(entry) = source.and_then(|image| self.images.get(image)).map(RefCell::borrow) else {
+        let data = found.and_then(|found| self.data_of(found));
+        let Some(entry) = data.and_then(|image| self.images.get(image)).map(RefCell::borrow) else {
             return losses;
         };
         let Some(image) = entry.image.as_ref().or(entry.numbers.as_ref()) else { return losses };
@@ -267,6 +270,7 @@ impl<'a> Textures<'a> {
         if image.repaired > 0 {
             losses.push(format!("{} of its texels are negative or not finite, and were replaced", image.repaired));
         }
+        losses.extend(image.remarks.iter().map(|remark| format!("its image {remark}")));
         losses
     }
 
@@ -308,7 +312,7 @@ impl<'a> Textures<'a> {
         let textures = &self.root.textures;
         let found = textures.get(texture).ok_or_else(|| Fault::dangling(user, "texture", texture, textures.len()))?;
         match self.source(found) {
-            Some(image) if image < self.images.len() => Ok(Ok(image)),
+            Some(image) if image < self.images.len() => Ok(Ok(self.first[image])),
             Some(image) => Err(Fault::dangling(&self.name(texture), "image", image, self.images.len())),
             None => {
                 let extensions = found.extensions.iter().flat_map(|all| all.others.keys());
@@ -320,6 +324,11 @@ impl<'a> Textures<'a> {
                 Ok(Err(why))
             }
         }
+    }
+
+    /// Index of the image that is decoded for a texture.
+    fn data_of(&self, texture: &gltf::json::Texture) -> Option<usize> {
+        self.first.get(self.source(texture)?).copied()
     }
 
     /// Index of the image: that of `EXT_texture_webp`, else the standard one.
@@ -360,6 +369,21 @@ impl<'a> Textures<'a> {
             None => format!("its image {why}"),
         })
     }
+}
+
+/// The first image with the same data as each: many names of one file are one image.
+fn first_of_equal(root: &Root) -> Vec<usize> {
+    let mut known = BTreeMap::new();
+    let images = root.images.iter().enumerate();
+    images
+        .map(|(index, image)| {
+            let (uri, view) = (image.uri.as_deref(), image.buffer_view.map(|view| view.value()));
+            match (uri, view.filter(|_| uri.is_none())) {
+                (None, None) => index,
+                (uri, view) => *known.entry((uri, view, floats_of(image))).or_insert(index),
+            }
+        })
+        .collect()
 }
 
 /// Whether parts of a surface of the material may be absent.

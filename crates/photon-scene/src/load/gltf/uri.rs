@@ -48,14 +48,15 @@ pub(super) fn path(uri: &str, folder: &Path) -> Result<PathBuf, (String, &'stati
     if leaves_folder(uri) {
         return Err(leaves(uri));
     }
-    // Exporters that write a name verbatim are as common as those that percent-encode it, so both
-    // are tried.
-    let written = folder.join(uri);
-    let path = match percent_decode(uri).and_then(|bytes| String::from_utf8(bytes).ok()) {
-        Some(decoded) if leaves_folder(&decoded) => return Err(leaves(&decoded)),
-        Some(decoded) if !written.is_file() => folder.join(decoded),
-        _ => written,
-    };
+    let decoded = decoded(uri);
+    if leaves_folder(&decoded) {
+        return Err(leaves(&decoded));
+    }
+    // Exporters that write a name verbatim are as common as those that percent-encode it, so both are tried; those on
+    // Windows write backslashes.
+    let candidates = [uri.to_owned(), decoded.replace('\\', "/"), decoded].map(|name| folder.join(name));
+    let [_, slashes, _] = &candidates;
+    let path = candidates.iter().find(|path| path.is_file()).unwrap_or(slashes).clone();
     if path.exists() && !path.is_file() {
         let why = format!("is in {uri}, which is not a file");
         return Err((why, "name the file"));
@@ -65,6 +66,19 @@ pub(super) fn path(uri: &str, folder: &Path) -> Result<PathBuf, (String, &'stati
         return Err((why, "put it where the scene expects it, or export a .glb"));
     }
     Ok(path)
+}
+
+/// A URI without percent escapes, if they are valid.
+fn decoded(uri: &str) -> String {
+    percent_decode(uri).and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_else(|| uri.to_owned())
+}
+
+/// Whether a file is found only with the backslashes of its URI read as slashes.
+pub(super) fn has_backslashes(uri: &str, folder: &Path) -> bool {
+    let decoded = decoded(uri);
+    !uri.starts_with("data:")
+        && decoded.contains('\\')
+        && path(uri, folder).is_ok_and(|path| path != folder.join(&decoded) && path != folder.join(uri))
 }
 
 /// Whether a relative path leads out of the folder that it starts in, or is absolute on any system.
@@ -87,27 +101,34 @@ pub(in crate::load) fn leaves_folder(path: &str) -> bool {
 fn read_data(data: &str) -> Result<Vec<u8>, (String, &'static str)> {
     let damaged = || ("has a data URI that is truncated or damaged".to_owned(), AGAIN);
     let (kind, payload) = data.split_once(',').ok_or_else(damaged)?;
-    let bytes = if kind.ends_with(";base64") { base64_decode(payload) } else { percent_decode(payload) };
+    let bytes = match kind.trim_end().to_ascii_lowercase().ends_with(";base64") {
+        true if payload.contains('%') => percent_decode(payload).and_then(|text| base64_decode(&text)),
+        true => base64_decode(payload.as_bytes()),
+        false => percent_decode(payload),
+    };
     bytes.ok_or_else(damaged)
 }
 
-/// Decodes base64 in its standard alphabet (RFC 4648, section 4), with or without padding.
-fn base64_decode(text: &str) -> Option<Vec<u8>> {
-    let digits = text.trim_end_matches('=').as_bytes();
-    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3 + 2);
-    for group in digits.chunks(4) {
-        let mut bits = 0_u32;
-        for &digit in group {
-            bits = bits << 6 | sextet(digit)?;
-        }
-        match group.len() {
-            4 => bytes.extend_from_slice(&bits.to_be_bytes()[1..]),
-            3 => bytes.extend_from_slice(&(bits >> 2).to_be_bytes()[2..]),
-            2 => bytes.push((bits >> 4) as u8),
-            _ => return None,
+/// Decodes base64 in its standard or its URL-safe alphabet (RFC 4648, sections 4 and 5), with or without padding and line
+/// breaks.
+fn base64_decode(text: &[u8]) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 2);
+    let (mut bits, mut count) = (0_u32, 0);
+    let mut digits = text.iter().filter(|digit| !digit.is_ascii_whitespace());
+    for &digit in digits.by_ref().take_while(|digit| **digit != b'=') {
+        (bits, count) = (bits << 6 | sextet(digit)?, count + 1);
+        if count == 4 {
+            bytes.extend_from_slice(&bits.to_be_bytes()[1..]);
+            (bits, count) = (0, 0);
         }
     }
-    Some(bytes)
+    match count {
+        0 => {}
+        2 => bytes.push((bits >> 4) as u8),
+        3 => bytes.extend_from_slice(&(bits >> 2).to_be_bytes()[2..]),
+        _ => return None,
+    }
+    digits.all(|digit| *digit == b'=').then_some(bytes)
 }
 
 fn sextet(digit: u8) -> Option<u32> {
@@ -115,8 +136,8 @@ fn sextet(digit: u8) -> Option<u32> {
         b'A'..=b'Z' => digit - b'A',
         b'a'..=b'z' => digit - b'a' + 26,
         b'0'..=b'9' => digit - b'0' + 52,
-        b'+' => 62,
-        b'/' => 63,
+        b'+' | b'-' => 62,
+        b'/' | b'_' => 63,
         _ => return None,
     };
     Some(u32::from(value))
@@ -145,14 +166,26 @@ mod tests {
 
     #[test]
     fn base64_follows_the_examples_of_rfc_4648() {
-        for (text, bytes) in
-            [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYg==", "foob"), ("Zm9vYmE", "fooba")]
-        {
-            assert_eq!(base64_decode(text).as_deref(), Some(bytes.as_bytes()), "{text}");
+        let decode = |text: &str| base64_decode(text.as_bytes());
+        for (text, bytes) in [
+            ("", ""),
+            ("Zg==", "f"),
+            ("Zm8=", "fo"),
+            ("Zm9v", "foo"),
+            ("Zm9vYg==", "foob"),
+            ("Zm9vYmE", "fooba"),
+            ("Zm9v\r\nYm\tE =\n", "fooba"),
+        ] {
+            assert_eq!(decode(text).as_deref(), Some(bytes.as_bytes()), "{text}");
         }
-        assert_eq!(base64_decode("/+8A"), Some(vec![0xff, 0xef, 0]));
-        assert_eq!(base64_decode("Zm9vY"), None);
-        assert_eq!(base64_decode("Zm 9"), None);
+        for text in ["/+8A", "_-8A"] {
+            assert_eq!(decode(text), Some(vec![0xff, 0xef, 0]), "{text}");
+        }
+        for broken in ["Zm9vY", "Zm*9", "Zg==Zg", "Z\u{a0}g="] {
+            assert_eq!(decode(broken), None, "{broken}");
+        }
+        // Escapes and the marker in capitals.
+        assert_eq!(read_data("image/png;BASE64,%2F%2b8A%0A").unwrap(), [0xff, 0xef, 0]);
     }
 
     #[test]

@@ -1,4 +1,7 @@
-//! `OpenEXR`: the first layer with colours, or with a luminance.
+//! `OpenEXR`: the first layer with colours, or with a luminance, as far as its display window reaches.
+
+mod colors;
+mod window;
 
 use std::io::Cursor;
 
@@ -6,13 +9,18 @@ use exr::compression::Compression;
 use exr::error::Error;
 use exr::math::Vec2;
 use exr::meta::MetaData;
-use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read};
+use exr::meta::attribute::Text;
+use exr::prelude::{Layer, ReadChannels, ReadLayers, ReadSpecificChannel, SpecificChannels, read};
 
+use self::colors::Source;
+use self::window::{Placed, Window};
 use super::header::Header;
 use super::{Image, ImageError, check_density, check_size, dwa};
 
 /// Deflate packs up to 1032 bytes into one, and a channel takes at least two bytes of each texel.
 const DENSEST: u64 = 516;
+/// Texels of the display window for each byte of the file, of which the data window may be a small part.
+const SPARSEST: u64 = 16 * DENSEST;
 /// Bytes of the decoder itself.
 const OVERHEAD: u64 = 256 << 10;
 
@@ -33,9 +41,18 @@ impl Pixels {
             *place = texel;
         }
     }
+}
 
-    fn image(self, size: Vec2<usize>) -> Result<Image, ImageError> {
-        Ok(Image::of_floats(check_size(size.width() as u64, size.height() as u64, 4)?, self.texels))
+/// A layer that was read.
+struct Found {
+    texels: Vec<[f32; 4]>,
+    window: Window,
+}
+
+impl Found {
+    fn of<C>(layer: Layer<SpecificChannels<Pixels, C>>) -> Self {
+        let window = Window { at: layer.attributes.layer_position, size: layer.size };
+        Self { texels: layer.channel_data.pixels.texels, window }
     }
 }
 
@@ -62,62 +79,56 @@ fn damaged(why: Error) -> ImageError {
 fn open(file: &[u8], length: u64) -> Result<MetaData, ImageError> {
     let meta = MetaData::read_from_buffered(Cursor::new(file), false).map_err(damaged)?;
     for header in &meta.headers {
-        let size = check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, 4)?;
-        check_density(size, length, DENSEST)?;
+        check_density(size_of(header.layer_size)?, length, DENSEST)?;
+        check_density(size_of(header.shared_attributes.display_window.size)?, length, SPARSEST)?;
         check_compression(header.compression)?;
     }
     Ok(meta)
 }
 
-/// That of the largest layer.
+fn size_of(size: Vec2<usize>) -> Result<[u32; 2], ImageError> {
+    check_size(size.width() as u64, size.height() as u64, 4)
+}
+
 pub(super) fn header(file: &[u8], length: u64) -> Result<Header, ImageError> {
     let meta = open(file, length)?;
-    let area = |header: &&exr::meta::header::Header| header.layer_size.area();
-    let largest = meta.headers.iter().max_by_key(area).ok_or_else(|| ImageError::new("has no layers"))?;
-    let size = [largest.layer_size.width() as u32, largest.layer_size.height() as u32];
+    let layer = colors::find(&meta.headers)?.header;
+    let [data, size] = [layer.layer_size, layer.shared_attributes.display_window.size].map(size_of);
+    let (data, size) = (data?, size?);
     // Blocks have up to 256 lines.
-    let block = u64::from(size[0]) * 256 * largest.channels.bytes_per_pixel as u64;
-    Ok(Header { size, words: 4, decoding: Header::floats(size) + 3 * block + OVERHEAD, is_by_rows: false })
+    let block = u64::from(data[0]) * 256 * layer.channels.bytes_per_pixel as u64;
+    let placed = if data == size { 0 } else { Header::floats(size) };
+    Ok(Header { size, words: 4, decoding: Header::floats(data) + placed + 3 * block + OVERHEAD, is_by_rows: false })
 }
 
 pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let meta = open(file, file.len() as u64)?;
     dwa::check(file, &meta.headers)?;
-    let has = |name: &str| {
-        let named = |channel: &exr::meta::attribute::ChannelDescription| channel.name.eq_case_insensitive(name);
-        meta.headers.iter().any(|header| header.channels.list.iter().any(named))
+    let Source { names, alpha, is_chroma, .. } = colors::find(&meta.headers)?;
+    let outside = if alpha.is_some() { 0.0 } else { 1.0 };
+    let alpha = alpha.unwrap_or_else(|| Text::from("A"));
+    let layers = read().no_deep_data().largest_resolution_level().specific_channels();
+    let (attributes, layer) = match &names[..] {
+        [r, g, b] => {
+            let set = |pixels: &mut Pixels, at, (r, g, b, a): (f32, f32, f32, f32)| pixels.set(at, [r, g, b, a]);
+            let channels = layers.required(r.clone()).required(g.clone()).required(b.clone()).optional(alpha, 1.0);
+            let reader = channels.collect_pixels(|size, _| Pixels::new(size), set).first_valid_layer();
+            let image = reader.all_attributes().non_parallel().from_buffered(Cursor::new(file)).map_err(damaged)?;
+            (image.attributes, Found::of(image.layer_data))
+        }
+        grey => {
+            let set = |pixels: &mut Pixels, at, (y, a): (f32, f32)| pixels.set(at, [y, y, y, a]);
+            let channels = layers.required(grey[0].clone()).optional(alpha, 1.0);
+            let reader = channels.collect_pixels(|size, _| Pixels::new(size), set).first_valid_layer();
+            let image = reader.all_attributes().non_parallel().from_buffered(Cursor::new(file)).map_err(damaged)?;
+            (image.attributes, Found::of(image.layer_data))
+        }
     };
-    if ["R", "G", "B"].into_iter().all(has) {
-        let image = read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .rgba_channels(
-                |size, _| Pixels::new(size),
-                |pixels: &mut Pixels, at, (r, g, b, a): (f32, f32, f32, f32)| pixels.set(at, [r, g, b, a]),
-            )
-            .first_valid_layer()
-            .all_attributes()
-            .non_parallel()
-            .from_buffered(Cursor::new(file))
-            .map_err(damaged)?;
-        return image.layer_data.channel_data.pixels.image(image.layer_data.size);
+    let Found { mut texels, window: data } = layer;
+    if is_chroma {
+        colors::from_chroma(&mut texels, attributes.chromaticities);
     }
-    if !has("Y") {
-        return Err(ImageError::new("is an OpenEXR file without the channels R, G and B, or Y"));
-    }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .specific_channels()
-        .required("Y")
-        .collect_pixels(
-            |size, _| Pixels::new(size),
-            |pixels: &mut Pixels, at, (grey,): (f32,)| pixels.set(at, [grey, grey, grey, 1.0]),
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(file))
-        .map_err(damaged)?;
-    image.layer_data.channel_data.pixels.image(image.layer_data.size)
+    let shown = Window { at: attributes.display_window.position, size: attributes.display_window.size };
+    let Placed { texels, remarks } = window::place(texels, data, shown, outside)?;
+    Ok(Image { remarks, ..Image::of_floats(size_of(shown.size)?, texels) })
 }

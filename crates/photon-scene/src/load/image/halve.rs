@@ -38,10 +38,9 @@ impl Image {
     /// The image, halved.
     pub(in crate::load) fn halve(self, halving: Option<Halving>) -> Self {
         let Some(Halving { times, bytes, weighs }) = halving else { return self };
-        let Self { repaired, is_rounded, .. } = self;
         (0..times).fold(self, |image, _| {
             let Texture { width, height, texels, .. } = half(&image.texture("", bytes).image, weighs);
-            Self { width, height, texels, is_float: image.is_float, repaired, is_rounded }
+            Self { width, height, texels, ..image }
         })
     }
 }

@@ -1,5 +1,7 @@
 //! Radiance HDR (RGBE): flat scanlines, and both kinds of run-length encoding (Ward, "Real pixels", Graphics Gems II).
 
+use std::borrow::Cow;
+
 use super::header::Header;
 use super::{Image, ImageError, check_size};
 
@@ -9,15 +11,15 @@ const RUN_WIDTHS: std::ops::RangeInclusive<usize> = 8..=0x7FFF;
 pub(super) fn header(file: &[u8]) -> Result<Header, ImageError> {
     let mut reader = Reader { rest: file };
     lines(&mut reader)?;
-    let size = orientation(reader.line()?)?.size;
+    let size = orientation(&reader.line()?)?.size;
     // Mirrored images are copied.
     Ok(Header { size, words: 4, decoding: 3 * Header::floats(size) + 4096, is_by_rows: false })
 }
 
 pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let mut reader = Reader { rest: file };
-    let exposure = lines(&mut reader)?;
-    let Orientation { size, flip_x, flip_y } = orientation(reader.line()?)?;
+    let factors = lines(&mut reader)?;
+    let Orientation { size, flip_x, flip_y } = orientation(&reader.line()?)?;
     let [width, height] = size.map(|side| side as usize);
     // Grows with the data, so that a short file does not take the memory of a large image.
     let mut texels: Vec<[f32; 4]> = Vec::new();
@@ -27,7 +29,7 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let mut row = vec![[0_u8; 4]; width];
     for _ in 0..height {
         reader.scanline(&mut row)?;
-        let values = row.iter().map(|&texel| linear(texel, exposure));
+        let values = row.iter().map(|&texel| linear(texel, factors));
         if flip_x { texels.extend(values.rev()) } else { texels.extend(values) }
     }
     if flip_y {
@@ -37,24 +39,33 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     Ok(Image::of_floats(size, texels))
 }
 
-/// Reads the lines before the resolution; returns the factor by which values were multiplied.
-fn lines(reader: &mut Reader<'_>) -> Result<f32, ImageError> {
-    let mut exposure = 1.0_f32;
+/// Reads the lines before the resolution; returns the factors by which red, green and blue were multiplied.
+fn lines(reader: &mut Reader<'_>) -> Result<[f32; 3], ImageError> {
+    let mut factors = [1.0_f32; 3];
     loop {
-        let line = reader.line()?.trim();
+        let line = reader.line()?;
+        let line = line.trim();
         if line.is_empty() {
-            return Ok(exposure);
+            return Ok(factors);
         }
         if let Some(format) = line.strip_prefix("FORMAT=") {
             if format.trim() != "32-bit_rle_rgbe" {
                 return Err(ImageError::new(format!("is a Radiance file of the format {format}; only RGBE is read")));
             }
-        } else if let Some(value) = line.strip_prefix("EXPOSURE=") {
-            let factor: f32 = value.trim().parse().unwrap_or(0.0);
-            exposure *= factor;
-            if !(exposure.is_normal() && exposure > 0.0) {
-                return Err(ImageError::new(format!("has the exposure {value}, which must be a positive number")));
-            }
+            continue;
+        }
+        let (name, value) = line.split_once('=').unwrap_or((line, ""));
+        let mut given = value.split_whitespace().map(|number| number.parse().unwrap_or(0.0_f32));
+        let mut number = || given.next().unwrap_or(0.0);
+        let more = match name.trim_end() {
+            "EXPOSURE" => [number(); 3],
+            "COLORCORR" => [number(), number(), number()],
+            _ => continue,
+        };
+        factors.iter_mut().zip(more).for_each(|(factor, more)| *factor *= more);
+        if !(factors.iter().all(|factor| factor.is_normal() && *factor > 0.0) && given.next().is_none()) {
+            let what = if name.starts_with('E') { "exposure" } else { "colour correction" };
+            return Err(ImageError::new(format!("has the {what} '{value}', which must be positive numbers")));
         }
     }
 }
@@ -77,14 +88,14 @@ fn orientation(line: &str) -> Result<Orientation, ImageError> {
 }
 
 /// The value of a texel; its mantissas are whole numbers of 256ths.
-fn linear([r, g, b, exponent]: [u8; 4], exposure: f32) -> [f32; 4] {
+fn linear([r, g, b, exponent]: [u8; 4], factors: [f32; 3]) -> [f32; 4] {
     if exponent == 0 {
         return [0.0, 0.0, 0.0, 1.0];
     }
     // In f64, where no exponent underflows.
-    let unit = libm::exp2(f64::from(exponent) - 136.0) / f64::from(exposure);
-    let [r, g, b] = [r, g, b].map(|mantissa| (f64::from(mantissa) * unit) as f32);
-    [r, g, b, 1.0]
+    let unit = libm::exp2(f64::from(exponent) - 136.0);
+    let value = |mantissa: u8, factor: f32| (f64::from(mantissa) * (unit / f64::from(factor))) as f32;
+    [value(r, factors[0]), value(g, factors[1]), value(b, factors[2]), 1.0]
 }
 
 struct Reader<'a> {
@@ -96,12 +107,13 @@ impl<'a> Reader<'a> {
         ImageError::new("cannot be decoded as Radiance HDR: it is truncated or damaged")
     }
 
-    fn line(&mut self) -> Result<&'a str, ImageError> {
+    /// A line of the header, in which names and comments may have any encoding.
+    fn line(&mut self) -> Result<Cow<'a, str>, ImageError> {
         // Headers have short lines.
         let end = self.rest.iter().take(4096).position(|&byte| byte == b'\n').ok_or_else(Self::truncated)?;
         let line = &self.rest[..end];
         self.rest = &self.rest[end + 1..];
-        std::str::from_utf8(line).map_err(|_| Self::truncated())
+        Ok(String::from_utf8_lossy(line))
     }
 
     fn take<const N: usize>(&mut self) -> Result<[u8; N], ImageError> {

@@ -18,9 +18,9 @@ pub(in crate::load) type Found = Result<(Header, u64), ImageError>;
 
 /// The size of an image, and what decoding it takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::load) struct Header {
+pub(crate) struct Header {
     /// Texels in a row, and rows.
-    pub(in crate::load) size: [u32; 2],
+    pub(crate) size: [u32; 2],
     /// Words of 32 bits for each texel.
     pub(in crate::load) words: u64,
     /// Bytes that a decoder needs besides the file and the decoded image.
@@ -75,6 +75,11 @@ impl Header {
     pub(in crate::load) fn with_floats(&self) -> Self {
         let decoding = self.decoding(0) + 2 * self.bytes(0) + Self::floats(self.size);
         Self { size: self.size, words: 4, decoding, is_by_rows: false }
+    }
+
+    /// Bytes that decoding it takes, with its texels and their colours as three floats.
+    pub(crate) fn with_colors(&self) -> u64 {
+        self.decoding(0) + self.bytes(0) + 12 * u64::from(self.size[0]) * u64::from(self.size[1])
     }
 
     /// Bytes of its texels, halved so many times.

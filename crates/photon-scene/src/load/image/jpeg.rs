@@ -8,11 +8,16 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use super::halve::{Halving, Rows};
 use super::header::Header;
 use super::{Image, ImageError, MAX_SIDE, check_density, check_size};
+use crate::error::bytes_text;
 
 /// A progressive file needs a bit for each block of 64 texels.
 const DENSEST: u64 = 512;
-/// Bytes of the decoder for each texel: colours, and the coefficients of progressive files.
-const DECODING: u64 = 12;
+/// Bytes of the decoder for each texel: colours.
+const COLORS: u64 = 4;
+/// The same with the coefficients of progressive files.
+const COEFFICIENTS: u64 = 12;
+/// Largest number of bytes of the decoder.
+const MOST: u64 = 2 << 30;
 /// Bytes of the decoder itself.
 const OVERHEAD: u64 = 256 << 10;
 
@@ -31,17 +36,33 @@ fn open(file: &[u8], length: u64) -> Result<Opened<'_>, ImageError> {
     let (width, height) = decoder.dimensions().ok_or_else(unreadable)?;
     let size = check_size(width as u64, height as u64, 1)?;
     check_density(size, length, DENSEST)?;
+    let needed = decoding(&decoder, size);
+    if needed > MOST {
+        let [width, height] = size;
+        return Err(ImageError::new(format!(
+            "is a progressive JPEG of {width} × {height} texels, which takes {} to decode, more than {}; save it as a \
+             baseline JPEG, or smaller",
+            bytes_text(needed),
+            bytes_text(MOST)
+        )));
+    }
     if matches!(decoder.input_colorspace(), Some(ColorSpace::CMYK | ColorSpace::YCCK)) {
         return Err(ImageError::new("is a JPEG in CMYK, a colour space of printers; convert it to RGB"));
     }
     Ok((decoder, size))
 }
 
-pub(super) fn header(file: &[u8], length: u64) -> Result<Header, ImageError> {
-    let (_, size) = open(file, length)?;
-    // It decodes whole blocks of up to 32 × 32 texels.
+/// Bytes of the decoder.
+fn decoding(decoder: &JpegDecoder<ZCursor<&[u8]>>, size: [u32; 2]) -> u64 {
+    let is_baseline = decoder.info().is_some_and(|info| info.sof.is_sequential_dct());
+    // Whole blocks of up to 32 × 32 texels.
     let texels: u64 = size.iter().map(|&side| u64::from(side).next_multiple_of(32)).product();
-    Ok(Header { size, words: 1, decoding: texels * DECODING + OVERHEAD, is_by_rows: true })
+    texels * if is_baseline { COLORS } else { COEFFICIENTS } + OVERHEAD
+}
+
+pub(super) fn header(file: &[u8], length: u64) -> Result<Header, ImageError> {
+    let (decoder, size) = open(file, length)?;
+    Ok(Header { size, words: 1, decoding: decoding(&decoder, size), is_by_rows: true })
 }
 
 pub(super) fn decode(file: &[u8], halving: Option<Halving>) -> Result<Image, ImageError> {

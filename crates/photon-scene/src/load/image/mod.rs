@@ -75,6 +75,8 @@ pub struct Image {
     pub repaired: u64,
     /// Whether its values had 16 bits, and were rounded to 8.
     pub is_rounded: bool,
+    /// Texels that are not those of the file: each the predicate of a sentence about the image.
+    pub remarks: Vec<String>,
 }
 
 impl Image {
@@ -123,7 +125,15 @@ impl Image {
 
     /// An image of bytes.
     fn of_bytes([width, height]: [u32; 2], words: Vec<u32>) -> Self {
-        Self { width, height, texels: words.into(), is_float: false, repaired: 0, is_rounded: false }
+        Self {
+            width,
+            height,
+            texels: words.into(),
+            is_float: false,
+            repaired: 0,
+            is_rounded: false,
+            remarks: Vec::new(),
+        }
     }
 
     /// An image of floats, four for each texel; invalid ones are replaced.
@@ -136,7 +146,7 @@ impl Image {
             *texel = valid.map(|value| value + 0.0);
         }
         let words = values.as_flattened().iter().map(|value| value.to_bits()).collect();
-        Self { width, height, texels: words, is_float: true, repaired, is_rounded: false }
+        Self { width, height, texels: words, is_float: true, repaired, is_rounded: false, remarks: Vec::new() }
     }
 }
 
@@ -148,16 +158,20 @@ pub fn load_image(path: &Path) -> Result<Image, SceneError> {
     load_image_halved(path, None)
 }
 
-/// Bytes that reading an image and its colours as three floats takes, if there is a limit; `None` also for a file that cannot
-/// be opened.
+/// The header of an image whose colours are used as floats, and the length of its file; `None` for a file that cannot be opened.
 ///
 /// # Errors
-/// An image whose header cannot be read.
-pub(crate) fn image_bytes(path: &Path, budget: &Budget) -> Result<Option<u64>, SceneError> {
-    let Some(found) = budget.left().and_then(|left| Header::of_file(path, left)) else { return Ok(None) };
-    let (header, file) = found.map_err(|why| of_file(path, &why))?;
-    let colors = 12 * u64::from(header.size[0]) * u64::from(header.size[1]);
-    Ok(Some(file + header.decoding(0) + header.bytes(0) + colors))
+/// An image whose header cannot be read, or whose floats would take more than 1 GiB.
+pub(crate) fn image_header(path: &Path, budget: &Budget) -> Result<Option<(Header, u64)>, SceneError> {
+    let found = Header::of_file(path, budget.left().unwrap_or(u64::MAX));
+    // Without a limit, decoding it says why, and may find a header that is far from the start.
+    let found = found.filter(|found| found.is_ok() || budget.left().is_some());
+    let found = found.transpose().map_err(|why| of_file(path, &why))?;
+    if let Some((header, _)) = &found {
+        let [width, height] = header.size.map(u64::from);
+        check_size(width, height, 4).map_err(|why| of_file(path, &why))?;
+    }
+    Ok(found)
 }
 
 /// As [`load_image`], reduced.

@@ -10,6 +10,9 @@ use crate::report::LoadReport;
 /// Images are not reduced below this many texels on their shorter side: tables of one row stay whole.
 const LEAST_SIDE: u32 = 64;
 
+/// Without a limit on memory, images are halved rather than that they take more than this while one is decoded.
+const PEAK: u64 = 2 << 30;
+
 /// An image that materials use.
 #[derive(Clone, Debug)]
 pub(in crate::load) struct Wanted {
@@ -94,13 +97,16 @@ pub(in crate::load) struct Plan {
 
 impl Plan {
     /// Halves the largest images until all that stays, and the one that takes most to decode, fit into what is left of
-    /// `budget` besides `reserved` bytes of the rest of the scene; all that stays is taken from it.
+    /// `budget` besides `reserved` bytes of the rest of the scene; all that stays is taken from it. Without a limit, they fit
+    /// into [`PEAK`], as far as halving helps.
     pub(in crate::load) fn new(images: Vec<Wanted>, reserved: u64, budget: &Budget) -> Result<Self, Shortage> {
         budget.check(reserved, || "the geometry".to_owned())?;
-        let left = budget.left().unwrap_or(u64::MAX).saturating_sub(reserved);
+        let is_limited = budget.left().is_some();
+        let left = budget.left().unwrap_or(PEAK).saturating_sub(reserved);
         let most: Vec<u32> = images.iter().map(|image| image.most(left)).collect();
         // One image that cannot be decoded, whatever happens to the others.
-        if let Some((image, &most)) = images.iter().zip(&most).find(|(image, most)| image.needed(**most) > left) {
+        let too_large = images.iter().zip(&most).find(|(image, most)| is_limited && image.needed(**most) > left);
+        if let Some((image, &most)) = too_large {
             let needed = image.needed(most).saturating_add(reserved);
             return Err(
                 budget.shortage(format!("{}, while it is decoded,{}", image.subject(), beside(reserved)), needed)
@@ -114,10 +120,10 @@ impl Plan {
             if fits && kept <= 4 * MAX_WORDS {
                 break;
             }
-            is_fixed &= fits;
+            is_fixed &= fits || !is_limited;
             let halvable = || images.iter().zip(&times).zip(&most).filter(|((_, times), most)| times < most);
             let Some(largest) = halvable().map(|((image, &times), _)| image.header.bytes(times)).max() else {
-                if fits {
+                if fits || !is_limited {
                     // Too many small images for the fixed limit, which is kept while they are decoded.
                     break;
                 }

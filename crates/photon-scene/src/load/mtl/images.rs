@@ -65,6 +65,9 @@ impl Images {
                         );
                         report.approximated(subject, text);
                     }
+                    for remark in &image.remarks {
+                        report.approximated(subject, format!("its {keyword} {} {remark}", map.file));
+                    }
                     let texture = builder.texture(image.texture(&map.file, bytes).wrapped(map.wrap()));
                     if bytes != TexelFormat::Linear8 && self.survey.covering.contains(&path) {
                         self.room.weigh(texture);

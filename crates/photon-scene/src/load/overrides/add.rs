@@ -8,6 +8,7 @@ use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, ThinLens}
 use crate::environment::EnvironmentDesc;
 use crate::error::SceneError;
 use crate::load::budget::Budget;
+use crate::load::gltf::leaves_folder;
 use crate::report::LoadReport;
 use std::path::Path;
 
@@ -37,6 +38,12 @@ impl Overrides {
     ) -> Result<Option<EnvironmentDesc>, SceneError> {
         let desc = match (&with.file, with.radiance, with.sky) {
             (Some(file), None, None) => {
+                // As the images of scene files: what a stranger's file names is in its folder.
+                if leaves_folder(&file.to_string_lossy()) {
+                    let file = file.display();
+                    let what = format!("[environment] has the file {file}, outside the folder of the override file");
+                    return Err(self.fault(what, "put it into that folder or below it, or give it with --environment"));
+                }
                 let folder = self.path.parent().unwrap_or(Path::new(""));
                 EnvironmentDesc::read_within(&folder.join(file), report, budget)?
             }

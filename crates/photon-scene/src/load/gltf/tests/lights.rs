@@ -98,7 +98,9 @@ fn cameras_look_along_minus_z() {
     assert_eq!(camera.projection, Projection::Perspective { vertical_fov: 0.5 });
     let orthographic = r#""type": "orthographic", "orthographic": {"xmag": 4, "ymag": 3, "znear": 0, "zfar": 9}"#;
     let (builder, report) = file_with_camera(orthographic, r#""scale": [2, 2, 2],"#).load();
-    assert!(!report.to_string().contains("times"), "{report}");
+    assert!(says(&report, "camera 'camera 0'", "1.333 times") && report.is_exact(), "{report}");
+    let equal = r#""type": "orthographic", "orthographic": {"xmag": 3, "ymag": 3, "znear": 0, "zfar": 9}"#;
+    assert!(file_with_camera(equal, "").load().1.lines.is_empty());
     assert_eq!(builder.cameras[0].0, "camera 0");
     assert_eq!(builder.cameras[0].1.projection, Projection::Orthographic { half_height: 3.0 });
 }

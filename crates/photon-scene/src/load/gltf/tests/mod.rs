@@ -1,6 +1,7 @@
 //! Tests with generated files.
 
 mod damage;
+mod deviations;
 pub(super) mod file;
 mod fuzz;
 mod geometry;

@@ -75,5 +75,15 @@ fn exposures_are_undone_and_other_formats_refused() {
     for bad in ["EXPOSURE=0", "EXPOSURE=nan", "EXPOSURE=-1", "EXPOSURE=x"] {
         assert!(refused(&bytes(bad)).contains("exposure"), "{bad}");
     }
+    for bad in ["COLORCORR=1 1", "COLORCORR=1 1 1 1", "COLORCORR= 1 0 1"] {
+        assert!(refused(&bytes(bad)).contains("colour correction"), "{bad}");
+    }
+    // Each channel, as often as the line occurs.
+    let texel = [128, 64, 32, 129];
+    let corrected = [with("COLORCORR= 2 1 0.5\nEXPOSURE=2\nCOLORCORR=1 4 1").as_bytes(), &texel].concat();
+    assert_eq!(Image::decode(&corrected).unwrap().linear_rgb(), [[0.25, 0.0625, 0.25]]);
+    // Names in the encodings of old systems.
+    let latin = [&b"#?RADIANCE\nVIEW= caf\xe9\n\n-Y 1 +X 1\n"[..], &body].concat();
+    assert_eq!(red(&latin), [1.0]);
     assert!(refused(&bytes("FORMAT=32-bit_rle_xyze")).contains("xyze"));
 }

@@ -1,0 +1,137 @@
+//! The channels that give colours: red, green and blue, or luminance with or without chroma.
+
+use exr::meta::attribute::{Chromaticities, Text};
+use exr::meta::header::Header;
+use glam::{DMat3, DVec3};
+
+use super::ImageError;
+
+const RGB: &[&str] = &["R", "G", "B"];
+const CHROMA: &[&str] = &["Y", "RY", "BY"];
+const GREY: &[&str] = &["Y"];
+
+/// Luminances of the primaries of Rec. 709, which are those of files that name none.
+const REC_709: [f64; 3] = [0.2126, 0.7152, 0.0722];
+/// Values with 16 bits are rounded by 2⁻¹¹: what is that little below 0 after a conversion is 0.
+const ROUNDING: f64 = 1.0 / 2048.0;
+
+/// Channels of a layer.
+pub(super) struct Source<'a> {
+    pub(super) header: &'a Header,
+    /// The names of three channels, or of a luminance.
+    pub(super) names: Vec<Text>,
+    pub(super) alpha: Option<Text>,
+    /// Whether the three are luminance and chroma.
+    pub(super) is_chroma: bool,
+}
+
+/// Finds the colours of a file: those of the picture itself; else those of its only layer with colours, or of the only one
+/// that is named `Combined`, as Blender names what it shows.
+pub(super) fn find(headers: &[Header]) -> Result<Source<'_>, ImageError> {
+    let plain = [RGB, CHROMA, GREY].into_iter().flat_map(|names| headers.iter().map(move |header| (header, names)));
+    if let Some(source) = plain.filter_map(|(header, names)| Source::of(header, "", names)).next() {
+        return source.checked();
+    }
+    let mut layers: Vec<(String, Source<'_>)> = Vec::new();
+    for header in headers {
+        for channel in &header.channels.list {
+            let name = channel.name.to_string();
+            let Some((layer, _)) = name.rsplit_once('.') else { continue };
+            if !layers.iter().any(|(known, source)| known == layer && std::ptr::eq(source.header, header)) {
+                layers.extend(Source::of(header, &format!("{layer}."), RGB).map(|source| (layer.to_owned(), source)));
+            }
+        }
+    }
+    let is_combined = |name: &str| name.rsplit('.').next().is_some_and(|last| last.eq_ignore_ascii_case("combined"));
+    if layers.iter().filter(|(name, _)| is_combined(name)).count() == 1 {
+        layers.retain(|(name, _)| is_combined(name));
+    }
+    match layers.len() {
+        0 => Err(ImageError::new("is an OpenEXR file without the channels R, G and B, or Y")),
+        1 => layers.swap_remove(0).1.checked(),
+        _ => {
+            let names: Vec<&str> = layers.iter().map(|(name, _)| name.as_str()).collect();
+            let names = names.join(", ");
+            Err(ImageError::new(format!(
+                "is an OpenEXR file with several layers of colours: {names}; save one of them"
+            )))
+        }
+    }
+}
+
+impl<'a> Source<'a> {
+    /// The channels of these names, whose letters may be small.
+    fn of(header: &'a Header, prefix: &str, names: &[&str]) -> Option<Self> {
+        let channel = |name: &str| {
+            let name = format!("{prefix}{name}");
+            let all = || header.channels.list.iter().map(|channel| &channel.name);
+            all()
+                .find(|known| **known == *name)
+                .or_else(|| all().find(|known| known.eq_case_insensitive(&name)))
+                .cloned()
+        };
+        let found = names.iter().map(|name| channel(name)).collect::<Option<Vec<Text>>>()?;
+        Some(Self { header, names: found, alpha: channel("A"), is_chroma: names == CHROMA })
+    }
+
+    /// Refuses channels of fewer samples than texels, which the decoder does not support.
+    fn checked(self) -> Result<Self, ImageError> {
+        let coarse = |channel: &&exr::meta::attribute::ChannelDescription| channel.sampling.area() != 1;
+        let names: Vec<String> =
+            self.header.channels.list.iter().filter(coarse).map(|channel| channel.name.to_string()).collect();
+        match names[..] {
+            [] => Ok(self),
+            _ => Err(ImageError::new(format!(
+                "is an OpenEXR file whose channels {} have fewer samples than it has texels, which is not read; save it with \
+                 R, G and B",
+                names.join(" and ")
+            ))),
+        }
+    }
+}
+
+/// Converts luminance Y and chroma (R − Y)/Y and (B − Y)/Y to colours ("Technical Introduction to OpenEXR",
+/// Luminance/Chroma Images).
+pub(super) fn from_chroma(texels: &mut [[f32; 4]], primaries: Option<Chromaticities>) {
+    let [red, green, blue] = primaries.and_then(luminances).unwrap_or(REC_709);
+    for texel in texels {
+        let [y, ry, by] = [texel[0], texel[1], texel[2]].map(f64::from);
+        let (r, b) = ((ry + 1.0) * y, (by + 1.0) * y);
+        let g = (y - red * r - blue * b) / green;
+        let settled = [r, g, b].map(|c| if (-4.0 * ROUNDING * y..0.0).contains(&c) { 0.0 } else { c });
+        [texel[0], texel[1], texel[2]] = settled.map(|c| c as f32);
+    }
+}
+
+/// Luminances of primaries whose sum is their white, of luminance 1; `None` for primaries that have none.
+fn luminances(Chromaticities { red, green, blue, white }: Chromaticities) -> Option<[f64; 3]> {
+    let xyz = |at: exr::math::Vec2<f32>| {
+        let (x, y) = (f64::from(at.x()), f64::from(at.y()));
+        DVec3::new(x, y, 1.0 - x - y)
+    };
+    let columns = DMat3::from_cols(xyz(red), xyz(green), xyz(blue));
+    let white = xyz(white);
+    let shares = columns.inverse() * (white / white.y);
+    let luminances = shares * DVec3::new(columns.x_axis.y, columns.y_axis.y, columns.z_axis.y);
+    (columns.determinant() != 0.0 && luminances.is_finite() && luminances.y > 0.0).then(|| luminances.to_array())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::math::Vec2;
+
+    /// Rec. 709 by its definition.
+    #[test]
+    fn luminances_follow_from_primaries() {
+        let rec_709 = Chromaticities {
+            red: Vec2(0.64, 0.33),
+            green: Vec2(0.30, 0.60),
+            blue: Vec2(0.15, 0.06),
+            white: Vec2(0.3127, 0.3290),
+        };
+        let found = luminances(rec_709).unwrap();
+        assert!(found.iter().zip(REC_709).all(|(found, known)| (found - known).abs() < 1e-4), "{found:?}");
+        assert_eq!(luminances(Chromaticities { green: rec_709.red, ..rec_709 }), None);
+    }
+}

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use photon_core::{Camera, ErrorTarget, Kernel, NUMERICS, Render, SceneView, Settings, Units, View, check_size};
+use photon_core::{ErrorTarget, Kernel, NUMERICS, Render, SceneView, Settings, Units, View, check_size};
 use serde::{Deserialize, Serialize};
 
 use crate::camera;

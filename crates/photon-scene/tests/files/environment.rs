@@ -41,7 +41,7 @@ fn texels_without_a_value() {
     let mut report = LoadReport::default();
     let desc = EnvironmentDesc::read(&exr(&folder, "nan.exr", [f32::NAN, -1.0]), &mut report).unwrap();
     assert_eq!(desc.bake().unwrap().map.mean_radiance(), [0.0; 3]);
-    names(&report.to_string(), &["note: environment", "nan.exr", "2 texels"]);
+    names(&report.to_string(), &["approximated: environment", "nan.exr", "2 texels"]);
     let infinite = exr(&folder, "inf.exr", [1.0, f32::INFINITY]);
     names(
         &message(EnvironmentDesc::read(&infinite, &mut report)),
@@ -65,6 +65,13 @@ fn override_files_set_the_environment() {
         let overrides = Overrides::read(&folder.file("over.toml", text))?;
         load(&obj, Some(&overrides)).map(|(scene, _)| scene)
     };
+    // What a stranger's file names is in its folder.
+    for outside in ["../sky.hdr", "/etc/passwd", "a/../../sky.hdr", "..\\\\sky.hdr"] {
+        names(&message(scene(&format!("[environment]\nfile = \"{outside}\""))), &["over.toml", "outside the folder"]);
+    }
+    // The shape is known before texels are decoded: there are none.
+    folder.file("tall.hdr", b"#?RADIANCE\n\n-Y 4096 +X 4096\n");
+    names(&message(scene("[environment]\nfile = \"tall.hdr\"")), &["tall.hdr", "4096 × 4096", "twice as wide"]);
     let lights = |text: &str| -> Vec<u32> {
         let scene = scene(&format!("[environment]\n{text}")).unwrap();
         scene.view().lights.iter().map(|light| light.kind).filter(|kind| *kind != Light::TRIANGLE).collect()

@@ -82,7 +82,7 @@ fn parse(json: &[u8], report: &mut LoadReport) -> Result<Root, Fault> {
     const HINT: &str = "the file is damaged, or it is not a glTF file";
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     // Some writers fill up chunks with zeros, not with spaces.
-    let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let end = json.iter().rposition(|&byte| byte != 0 && !byte.is_ascii_whitespace()).map_or(0, |last| last + 1);
     let json = &json[..end];
     let mut value: Value = deserialize::from_slice(json).map_err(|error| match not_a_number(json, &error) {
         Some(found) => Fault::new("the JSON", found, "write a number in its place, or null").at_line(error.line()),
@@ -111,7 +111,7 @@ fn parse(json: &[u8], report: &mut LoadReport) -> Result<Root, Fault> {
 /// The word for a number without a value where the parser stopped, as some programs write it, and its place.
 fn not_a_number(json: &[u8], error: &gltf::json::Error) -> Option<String> {
     let line = json.split(|&byte| byte == b'\n').nth(error.line().checked_sub(1)?)?;
-    let is_word = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'-' || *byte == b'+';
+    let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'-' || *byte == b'+';
     // Columns are counted from 1; the parser stops at one of the first letters.
     let at = error.column().checked_sub(1)?.min(line.len().checked_sub(1)?);
     let start = line[..at].iter().rposition(|byte| !is_word(byte)).map_or(0, |before| before + 1);

@@ -72,6 +72,9 @@ pub(crate) fn trace_photons<'py>(
 /// The photons of all paths of pass 0, batch by batch.
 fn all<B: TransportBackend>(mut on: B, scene: &Scene, settings: &Settings) -> Result<PerMap<Vec<Photon>>, Failure> {
     let view = scene.view();
+    if view.triangles.is_empty() {
+        return Err(photonmap::Error::NoTriangles.into());
+    }
     if !view.lights.iter().any(|light| light.power.iter().any(|&part| part > 0.0)) {
         return Err(photonmap::Error::NoLight.into());
     }

@@ -289,6 +289,11 @@ pub fn s29_nothing_to_render<T: TestBackend>() {
         let dark = start(builder, small.clone(), 4).unwrap_err();
         assert!(matches!(dark.downcast_ref(), Some(Error::NoLight)), "{dark}");
     }
+    let mut empty = SceneBuilder::new();
+    empty.light("sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [1.0; 3] });
+    crate::harness::look_at_point(&mut empty, [0.0; 3], [0.0, 1.0, 0.0], 0.5, 0.5);
+    let empty = start(empty, small.clone(), 4).unwrap_err();
+    assert!(matches!(empty.downcast_ref(), Some(Error::NoTriangles)), "{empty}");
     let black = start(with(0.0, 1.0), small.clone(), 4).unwrap_err();
     assert!(matches!(black.downcast_ref(), Some(Error::NoReceiver)), "{black}");
     assert!(start(with(0.5, 1.0), Settings { photons: 0, ..small.clone() }, 4).is_err());

@@ -92,6 +92,12 @@ pub enum Error {
         /// What it has to be.
         hint: &'static str,
     },
+    /// The scene has no triangles, and nothing else that can be seen.
+    #[error(
+        "the scene has no triangles, so that there is nothing to see; check that its file has meshes, and what the \
+         report says is left out"
+    )]
+    NoTriangles,
     /// The scene has no light with power above 0.
     #[error("no light emits any power; add an emissive material or a light, in the file or in an override file")]
     NoLight,

@@ -18,6 +18,7 @@ mod requirements;
 mod scene;
 mod settings;
 mod shading;
+mod shown;
 
 pub use backend::kd_tree;
 pub use backend::memory::Costs;
@@ -96,3 +97,4 @@ pub use shading::{
     math, octahedral, offset, partial_transmission, photon_sample, portals, random, rough_glass, sampling, shade,
     shading_normal, shadow_terminator, sheen, sobol, solid_angle, texture,
 };
+pub use shown::shown;

@@ -8,7 +8,7 @@ use crate::portals::{self, PortalDesc};
 use crate::scene::Scene;
 use crate::texture::{TextureDesc, TextureId};
 use crate::{camera, lights, normalise, shading, solids, validate};
-use photon_core::{EnvironmentMap, Light, Primitive, Units, light_cdf};
+use photon_core::{EnvironmentMap, Light, Primitive, Units, light_cdf, shown};
 use std::sync::Arc;
 
 /// Handle of a material of one [`SceneBuilder`].
@@ -257,7 +257,7 @@ impl SceneBuilder {
             lights: lit.lights,
             cameras: self.cameras,
             dropped: geometry.dropped,
-            warnings,
+            warnings: warnings.iter().map(|warning| shown(warning).into_owned()).collect(),
         })
     }
 }

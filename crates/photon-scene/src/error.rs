@@ -1,13 +1,15 @@
-//! Errors of scenes and scene files. Each names the object at fault and how to fix it.
+//! Errors of scenes and scene files. Each names the object at fault and how to fix it; names and text of files pass through
+//! [`shown`].
 
-use std::path::PathBuf;
+use photon_core::shown;
+use std::path::{Path, PathBuf};
 
 /// An error in a scene or its file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// A property of a material is out of range.
-    #[error("material '{material}': {property} is {value}, but {hint}")]
+    #[error("material '{}': {property} is {}, but {hint}", shown(material), shown(value))]
     Material {
         /// Name of the material.
         material: String,
@@ -19,7 +21,7 @@ pub enum SceneError {
         hint: &'static str,
     },
     /// A property of a light is out of range.
-    #[error("light '{light}': {property} is {value}, but {hint}")]
+    #[error("light '{}': {property} is {}, but {hint}", shown(light), shown(value))]
     Light {
         /// Name of the light.
         light: String,
@@ -31,7 +33,7 @@ pub enum SceneError {
         hint: &'static str,
     },
     /// An environment has a property out of range, or an unsuitable image.
-    #[error("environment '{environment}': {what}; {hint}")]
+    #[error("environment '{}': {}; {hint}", shown(environment), shown(what))]
     Environment {
         /// Name of the environment: its file, or its description.
         environment: String,
@@ -41,7 +43,7 @@ pub enum SceneError {
         hint: &'static str,
     },
     /// A portal has a corner or an area out of range, or a name that nothing has.
-    #[error("portal '{portal}': {what}; {hint}")]
+    #[error("portal '{}': {}; {}", shown(portal), shown(what), shown(hint))]
     Portal {
         /// Name of the portal: of the material or mesh, or as it was given with the corners.
         portal: String,
@@ -51,7 +53,7 @@ pub enum SceneError {
         hint: String,
     },
     /// A property of a camera is out of range.
-    #[error("camera '{camera}': {property} is {value}, but {hint}")]
+    #[error("camera '{}': {property} is {}, but {hint}", shown(camera), shown(value))]
     Camera {
         /// Name of the camera.
         camera: String,
@@ -63,7 +65,7 @@ pub enum SceneError {
         hint: &'static str,
     },
     /// A texture has an invalid size or texel.
-    #[error("texture '{texture}': {what}; {hint}")]
+    #[error("texture '{}': {}; {hint}", shown(texture), shown(what))]
     Texture {
         /// Name of the texture.
         texture: String,
@@ -74,7 +76,8 @@ pub enum SceneError {
     },
     /// A material uses a texture of another builder.
     #[error(
-        "material '{material}': its {slot} texture, number {texture}, is not one of the {textures} of this builder; use the TextureId that its own texture() returned"
+        "material '{}': its {slot} texture, number {texture}, is not one of the {textures} of this builder; use the TextureId that its own texture() returned",
+        shown(material)
     )]
     TextureId {
         /// Name of the material.
@@ -88,7 +91,9 @@ pub enum SceneError {
     },
     /// A mesh does not have the texture coordinates that a texture needs.
     #[error(
-        "mesh '{mesh}': the {slot} texture of its material '{material}' needs UV set {set}, but the mesh has {sets}; give it texture coordinates, or a material without the texture"
+        "mesh '{}': the {slot} texture of its material '{}' needs UV set {set}, but the mesh has {sets}; give it texture coordinates, or a material without the texture",
+        shown(mesh),
+        shown(material)
     )]
     UvSet {
         /// Name of the mesh.
@@ -103,7 +108,7 @@ pub enum SceneError {
         sets: usize,
     },
     /// A list of vertex attributes is of the wrong length, or has an invalid entry.
-    #[error("mesh '{mesh}': its {attribute}: {what}; {hint}")]
+    #[error("mesh '{}': its {attribute}: {}; {hint}", shown(mesh), shown(what))]
     Attribute {
         /// Name of the mesh.
         mesh: String,
@@ -115,7 +120,7 @@ pub enum SceneError {
         hint: &'static str,
     },
     /// A vertex of a triangle with a coordinate that is not finite.
-    #[error("mesh '{mesh}': vertex {vertex} is {value}, but every coordinate must be a finite number")]
+    #[error("mesh '{}': vertex {vertex} is {value}, but every coordinate must be a finite number", shown(mesh))]
     Vertex {
         /// Name of the mesh.
         mesh: String,
@@ -125,7 +130,10 @@ pub enum SceneError {
         value: String,
     },
     /// A triangle refers to a vertex that does not exist.
-    #[error("mesh '{mesh}': triangle {triangle} refers to vertex {index}, but there are {vertices}, numbered from 0")]
+    #[error(
+        "mesh '{}': triangle {triangle} refers to vertex {index}, but there are {vertices}, numbered from 0",
+        shown(mesh)
+    )]
     Index {
         /// Name of the mesh.
         mesh: String,
@@ -138,7 +146,8 @@ pub enum SceneError {
     },
     /// A mesh uses a material of another builder.
     #[error(
-        "mesh '{mesh}': material number {material} is not one of the {materials} of this builder; use the MaterialId that its own material() returned"
+        "mesh '{}': material number {material} is not one of the {materials} of this builder; use the MaterialId that its own material() returned",
+        shown(mesh)
     )]
     MaterialId {
         /// Name of the mesh.
@@ -150,7 +159,9 @@ pub enum SceneError {
     },
     /// An area light has zero area.
     #[error(
-        "mesh '{mesh}' emits light (material '{material}') but has no area; give it triangles with area, or use a point light"
+        "mesh '{}' emits light (material '{}') but has no area; give it triangles with area, or use a point light",
+        shown(mesh),
+        shown(material)
     )]
     ZeroAreaLight {
         /// Name of the mesh.
@@ -159,7 +170,7 @@ pub enum SceneError {
         material: String,
     },
     /// A scene has something that cannot be written to a file.
-    #[error("{what} cannot be written; {hint}")]
+    #[error("{} cannot be written; {hint}", shown(what))]
     Export {
         /// What cannot be written.
         what: String,
@@ -167,7 +178,7 @@ pub enum SceneError {
         hint: &'static str,
     },
     /// A number exceeds the range of floating point.
-    #[error("{what} is {value}, beyond the range of floating point; {hint}")]
+    #[error("{} is {value}, beyond the range of floating point; {hint}", shown(what))]
     Extreme {
         /// The quantity that exceeds the range.
         what: String,
@@ -188,7 +199,7 @@ pub enum SceneError {
     #[error("the scene has no camera; add one to the file or to an override file, or use SceneBuilder::frame_camera")]
     NoCamera,
     /// There is no camera of the requested name.
-    #[error("there is no camera '{name}'; the cameras are: {}", known.join(", "))]
+    #[error("there is no camera '{}'; the cameras are: {}", shown(name), shown(&known.join(", ")))]
     UnknownCamera {
         /// The requested name.
         name: String,
@@ -206,7 +217,7 @@ pub enum SceneError {
         height: u32,
     },
     /// A file cannot be read at all.
-    #[error("cannot read {}: {source}; check that the file exists and is readable", path.display())]
+    #[error("cannot read {}: {source}; check that the file exists and is readable", name_of(path))]
     Read {
         /// Path of the file.
         path: PathBuf,
@@ -214,7 +225,10 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// The content of a file is invalid.
-    #[error("{}{}: {what}; {hint}", path.display(), line.map(|line| format!(", line {line}")).unwrap_or_default())]
+    #[error(
+        "{}{}: {}; {}",
+        name_of(path), line.map(|line| format!(", line {line}")).unwrap_or_default(), shown(what), shown(hint)
+    )]
     Content {
         /// Path of the file.
         path: PathBuf,
@@ -227,8 +241,8 @@ pub enum SceneError {
     },
     /// A file needs more memory than [`LoadOptions::memory`](crate::LoadOptions::memory) allows.
     #[error(
-        "{}: {object} needs {} of memory, but {} are left of the {} that loading may take; use smaller images or less of the scene, or allow more memory",
-        path.display(), bytes_text(*needed), bytes_text(*left), bytes_text(*limit)
+        "{}: {} needs {} of memory, but {} are left of the {} that loading may take; use smaller images or less of the scene, or allow more memory",
+        name_of(path), shown(object), bytes_text(*needed), bytes_text(*left), bytes_text(*limit)
     )]
     Memory {
         /// Path of the file.
@@ -243,7 +257,7 @@ pub enum SceneError {
         limit: u64,
     },
     /// No loader supports this file format.
-    #[error("{}: unknown scene file format; supported are .gltf, .glb, .obj and .ply{hint}", path.display())]
+    #[error("{}: unknown scene file format; supported are .gltf, .glb, .obj and .ply{hint}", name_of(path))]
     UnknownFormat {
         /// Path of the file.
         path: PathBuf,
@@ -251,11 +265,16 @@ pub enum SceneError {
         hint: &'static str,
     },
     /// A folder where a scene file is expected.
-    #[error("{}: it is a folder; name the scene file in it", path.display())]
+    #[error("{}: it is a folder; name the scene file in it", name_of(path))]
     Folder {
         /// Path of the folder.
         path: PathBuf,
     },
+}
+
+/// A path for messages.
+pub(crate) fn name_of(path: &Path) -> String {
+    shown(&path.display().to_string()).into_owned()
 }
 
 /// A number of bytes for people.

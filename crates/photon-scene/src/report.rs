@@ -1,5 +1,6 @@
 //! Reports on what a loader could not represent exactly.
 
+use photon_core::shown;
 use std::fmt;
 
 /// How a loader handled the subject of a line.
@@ -76,7 +77,8 @@ impl LoadReport {
     }
 
     pub(crate) fn push(&mut self, kind: ReportKind, subject: String, text: String) {
-        let line = ReportLine { kind, subject, text };
+        // Both may contain names of the file, of any length.
+        let line = ReportLine { kind, subject: shown(&subject).into_owned(), text: shown(&text).into_owned() };
         // Repeated lines on the same subject are reported once; only the last 100 lines are compared, so that a file
         // with a million materials does not take quadratic time.
         if !self.lines.iter().rev().take(100).any(|known| *known == line) {
@@ -112,5 +114,8 @@ mod tests {
         }
         assert!(!report.is_exact());
         assert_eq!(report.to_string(), "note: file: no camera\nleft out: wall: its texture; give an albedo");
+        report.note("wall \u{1b}[31m", "a".repeat(1000));
+        let line = report.lines.last().expect("a line").to_string();
+        assert!(line.starts_with("note: wall \\u{1b}[31m: aaa") && line.len() < 350, "{line}");
     }
 }

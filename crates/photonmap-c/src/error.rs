@@ -75,7 +75,9 @@ impl From<Error> for Fault {
         let status = match &error {
             Error::InvalidSetting { .. } => PmStatus::InvalidSettings,
             Error::InvalidInput { .. } => PmStatus::InvalidArgument,
-            Error::InvalidScene { .. } | Error::NoLight | Error::NoReceiver => PmStatus::InvalidScene,
+            Error::InvalidScene { .. } | Error::NoTriangles | Error::NoLight | Error::NoReceiver => {
+                PmStatus::InvalidScene
+            }
             Error::OutOfMemory { .. } | Error::AllocationTooLarge { .. } | Error::OverMemory { .. } => {
                 PmStatus::OutOfMemory
             }

@@ -58,6 +58,9 @@ impl PmPhotons {
         let mut on = Cpu::new()?;
         let mut required = Requirements::of(&view, settings);
         required.maps = PerMap::splat(true);
+        if view.triangles.is_empty() {
+            return Err(photonmap::Error::NoTriangles.into());
+        }
         if view.lights.is_empty() {
             return Err(photonmap::Error::NoLight.into());
         }

@@ -94,6 +94,7 @@ impl From<photon_core::Error> for Fault {
             E::InvalidSetting { .. }
             | E::InvalidInput { .. }
             | E::InvalidScene { .. }
+            | E::NoTriangles
             | E::NoLight
             | E::NoReceiver
             | E::OutOfMemory { .. }

@@ -14,11 +14,13 @@ const VISIBLE: Features = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).uni
 /// or else a light has to be visible: directly, in mirrors or through glass.
 pub(super) fn check_scene(scene: &SceneView<'_>) -> Result<()> {
     let mut lit = scene.lights.iter().filter(|light| light.power.iter().any(|&p| p > 0.0)).peekable();
+    // Without triangles, no light reaches anything, which is not its fault.
+    let or_empty = |error| if scene.triangles.is_empty() { Error::NoTriangles } else { error };
     if lit.peek().is_none() {
-        return Err(Error::NoLight);
+        return Err(or_empty(Error::NoLight));
     }
     let is_seen = lit.any(|light| light_features(light).intersects(VISIBLE));
-    if is_seen || has_receiver(scene) { Ok(()) } else { Err(Error::NoReceiver) }
+    if is_seen || has_receiver(scene) { Ok(()) } else { Err(or_empty(Error::NoReceiver)) }
 }
 
 /// Precomputed irradiance is relative to the geometric normal, and would lose the shading normals.

@@ -110,7 +110,7 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Validates the scene, derives its requirements, uploads it to the backend, and derives the radii.
     ///
     /// # Errors
-    /// Those of [`SceneView::validate`], [`Error::InvalidSetting`], [`Error::NoLight`],
+    /// Those of [`SceneView::validate`], [`Error::InvalidSetting`], [`Error::NoTriangles`], [`Error::NoLight`],
     /// [`Error::NoReceiver`], and errors of the backend.
     pub fn new(on: B, scene: &SceneView<'_>, view: View, settings: Settings) -> Result<Self> {
         scene.validate()?;

@@ -10,6 +10,7 @@ mod translate;
 
 use self::entry::Entry;
 use self::images::Images;
+use self::map::Map;
 use self::translate::Translation;
 use super::budget::{Budget, Shortage};
 use super::gltf::leaves_folder;
@@ -20,6 +21,8 @@ use crate::builder::SceneBuilder;
 use crate::describe::MaterialDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
+use crate::texture::TextureRef;
+use photon_core::TexelFormat;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -119,4 +122,32 @@ impl Library {
         }
         Ok(())
     }
+}
+
+/// Adds images that a file at `path` in another format names to the scene, as textures of a base colour; those that cannot be
+/// read are `None`, and reported.
+///
+/// # Errors
+/// Textures that do not fit into memory.
+pub(super) fn images_alone(
+    path: &Path,
+    names: &[String],
+    subject: &str,
+    builder: &mut SceneBuilder,
+    report: &mut LoadReport,
+    budget: &Budget,
+) -> Result<Vec<Option<TextureRef>>, Shortage> {
+    let folder = Arc::new(path.parent().unwrap_or(Path::new("")).to_owned());
+    let entry = |name: &String| {
+        let (name, folder, map) = (name.clone(), Arc::clone(&folder), Map::plain(name));
+        Entry { name, folder, diffuse_map: Some(map), ..Entry::default() }
+    };
+    let library = Library { entries: names.iter().map(entry).collect(), ..Library::default() };
+    let mut images = Images::new(survey::plan(&library, budget)?);
+    let maps = library.entries.iter().filter_map(|entry| entry.diffuse_map.as_ref());
+    let mut add = |map| images.add(&folder, ("file", map), TexelFormat::Srgb8, subject, builder, report);
+    let textures = maps.map(&mut add).collect();
+    images.survey.plan.report(report);
+    images.room.report(builder, report);
+    Ok(textures)
 }

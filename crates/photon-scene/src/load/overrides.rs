@@ -12,6 +12,7 @@ use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::report::LoadReport;
+use photon_core::shown;
 use std::path::{Path, PathBuf};
 
 /// Materials, lights, an environment, cameras and quadrilaterals that change or extend a scene, read from TOML.
@@ -102,6 +103,7 @@ impl Overrides {
             self.material(name, material, scene)?;
             if material.kind.is_some() || material.albedo.is_some() {
                 let subject = format!("material '{name}'");
+                let subject = shown(&subject);
                 report.lines.retain(|line| line.subject != subject);
             }
         }

@@ -20,16 +20,21 @@ pub(super) struct Map {
 }
 
 impl Map {
-    /// Parses the arguments of a statement.
-    pub(super) fn parse(arguments: &str) -> Result<Self, &'static str> {
-        let mut map = Self {
-            file: String::new(),
+    /// An image without options.
+    pub(super) fn plain(file: &str) -> Self {
+        Self {
+            file: file.replace('\\', "/"),
             scale: [1.0; 2],
             offset: [0.0; 2],
             is_clamped: false,
             strength: 1.0,
             others: Vec::new(),
-        };
+        }
+    }
+
+    /// Parses the arguments of a statement.
+    pub(super) fn parse(arguments: &str) -> Result<Self, &'static str> {
+        let mut map = Self::plain("");
         let mut rest = arguments.trim();
         while let Some((option, after)) = split_option(rest) {
             // The file name may contain spaces, so that the number of arguments tells where it begins.

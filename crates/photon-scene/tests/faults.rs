@@ -86,6 +86,16 @@ fn meshes() {
         let mut positions = corners();
         positions[2][1] = bad;
         names(&mesh(positions, vec![[0, 1, 2]]), &["'teapot'", "vertex 2", &format!("{bad:?}"), "finite"]);
+        // One that no triangle uses may be anything.
+        let unused = |builder: &mut SceneBuilder| {
+            let red = builder.material(MaterialDesc::lambert("red", [0.5; 3]));
+            let positions = corners().into_iter().chain([[bad, 0.0, f64::MAX]]).collect();
+            builder.mesh("teapot", positions, vec![[0, 1, 2]], red);
+        };
+        assert!(build(unused).is_ok_and(|scene| scene.view().positions.len() == 7));
+        let mut builder = SceneBuilder::new();
+        unused(&mut builder);
+        assert!(photon_scene::glb(&builder).is_ok());
     }
     let huge = vec![[-1.7e308; 3], [1.7e308; 3], [0.0; 3]];
     names(&mesh(huge, vec![[0, 1, 2]]), &["extent", "unit of length"]);

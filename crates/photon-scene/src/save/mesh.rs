@@ -14,7 +14,11 @@ impl File {
     pub(super) fn mesh(&mut self, mesh: &Mesh) -> Result<(), SceneError> {
         let name = &*mesh.name;
         let what = || format!("mesh '{name}'");
-        let rounded: Vec<[f32; 3]> = mesh.positions.iter().map(|at| singles(*at, what)).collect::<Result<_, _>>()?;
+        // Vertices that no triangle uses may be NaN, which glTF does not allow.
+        let is_finite = |at: &[f64; 3]| at.iter().all(|part| part.is_finite());
+        let positions: Vec<[f64; 3]> =
+            mesh.positions.iter().map(|at| if is_finite(at) { *at } else { [0.0; 3] }).collect();
+        let rounded: Vec<[f32; 3]> = positions.iter().map(|at| singles(*at, what)).collect::<Result<_, _>>()?;
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for at in &rounded {
             for axis in 0..3 {
@@ -32,8 +36,7 @@ impl File {
         }));
         let mut attributes = json!({ "POSITION": self.accessors.len() - 2 });
         let mut primitive = json!({ "indices": self.accessors.len() - 1, "material": mesh.material.0 });
-        let mut extras =
-            PrimitiveExtras { positions: self.exact(&mesh.positions, &rounded), ..PrimitiveExtras::default() };
+        let mut extras = PrimitiveExtras { positions: self.exact(&positions, &rounded), ..PrimitiveExtras::default() };
         let given = &mesh.attributes;
         extras.normals = self.attribute(&mut attributes, "NORMAL", &given.normals, standard::normal);
         extras.tangents = self.attribute(&mut attributes, "TANGENT", &given.tangents, standard::tangent);

@@ -230,7 +230,7 @@ fn ply_attributes_of_faces() {
     assert_eq!(colors(&scene), [red; 2]);
     names(
         &report.to_string(),
-        &["wide integers, are taken as numbers from 0 to 255", "left out: mesh 'a': the colours of its faces"],
+        &["wide integers, are taken as numbers from 0 to 255", "left out: mesh 'a': the colours or alpha of its faces"],
     );
     let (scene, _) = file("", &rgb("ushort"), ["65535 0 0"; 4], "", [""; 2]);
     assert_eq!(colors(&scene), [red; 2]);

@@ -28,9 +28,11 @@ pub(super) fn add(
     let subject = format!("mesh '{name}'");
     unread(&subject, header, &body, &mut report);
 
-    let are_of_faces = body.face_colors.is_given() && !body.colors.is_given();
-    if body.face_colors.is_given() && !are_of_faces {
-        report.left_out(&subject, "the colours of its faces, since its vertices have colours");
+    let [vertices, faces] = [&body.colors, &body.face_colors].map(|colors| (colors.kind.is_some(), colors.is_given()));
+    let are_of_faces = faces > vertices;
+    if vertices.1 && faces.1 {
+        let [part, other] = if are_of_faces { ["vertices", "faces"] } else { ["faces", "vertices"] };
+        report.left_out(&subject, format!("the colours or alpha of its {part}, since its {other} have some"));
     }
     let colors = std::mem::take(if are_of_faces { &mut body.face_colors } else { &mut body.colors });
     let has_colors = colors.kind.is_some();
@@ -102,6 +104,18 @@ fn unread(subject: &str, header: &Header, body: &Body, report: &mut LoadReport) 
     }
     if !body.uvs.is_empty() && !body.corner_uvs.is_empty() {
         report.left_out(subject, "the texture coordinates of its faces, since its vertices have some");
+    }
+    // Points that were not measured have no normal either.
+    let measured =
+        body.normals.iter().zip(&body.positions).filter(|(_, position)| position.iter().all(|part| part.is_finite()));
+    let lost = measured.filter(|(normal, _)| !normal.iter().all(|part| part.is_finite())).count();
+    if lost > 0 {
+        let text = format!("{lost} of its normals are not finite; triangles have their own normal there");
+        report.approximated(subject, text);
+    }
+    let lost = body.uvs.iter().chain(&body.corner_uvs).filter(|uv| !(uv[0].is_finite() && uv[1].is_finite())).count();
+    if lost > 0 && !header.textures.is_empty() {
+        report.approximated(subject, format!("{lost} of its texture coordinates are not finite; 0 is taken"));
     }
     if body.rest > 0 {
         let kind = if header.encoding == Encoding::Text { "numbers" } else { "bytes" };

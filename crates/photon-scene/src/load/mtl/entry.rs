@@ -57,7 +57,7 @@ pub(super) struct Entry {
     pub(super) flaws: Vec<(ReportKind, String)>,
 }
 
-/// Why a statement is left out, or how it is taken.
+/// Fault of a statement.
 enum Flaw {
     LeftOut(&'static str),
     Approximated(&'static str),

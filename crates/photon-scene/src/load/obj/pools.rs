@@ -1,4 +1,4 @@
-//! What the statements of an OBJ file define, whether before or after the faces that use it.
+//! Definitions of an OBJ file, which may come before or after the faces that use them.
 
 use super::census::Census;
 use super::statements::{number, parts, statements};

@@ -97,7 +97,7 @@ impl Element {
 /// Bytes of the longest line.
 const LONGEST: usize = 1 << 16;
 
-/// What the header says.
+/// Contents of a header.
 #[derive(PartialEq, Eq, Debug)]
 pub(super) struct Header {
     pub(super) encoding: Encoding,
@@ -108,7 +108,7 @@ pub(super) struct Header {
     pub(super) length: usize,
 }
 
-/// What is wrong, and in which line.
+/// Text of an error, and the number of its line.
 pub(super) type Fault = (String, u64);
 
 impl Header {

@@ -1,8 +1,8 @@
-//! Which properties of PLY elements are used, and for what.
+//! Uses of the properties of PLY elements.
 
 use super::header::{Element, Kind, Property};
 
-/// Where a number of an element goes.
+/// Use of a number of an element.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Place {
     Position(usize),

@@ -8,9 +8,9 @@ pub(super) struct Numbers<'a> {
     bytes: &'a [u8],
     at: usize,
     encoding: Encoding,
-    /// Where the present element begins, for messages.
+    /// Name and number of the present element, for messages.
     pub(super) element: (&'a str, u64),
-    /// Whether some element does not begin on a line of its own.
+    /// An element did not begin on a line of its own.
     is_run_on: bool,
 }
 

@@ -1,22 +1,31 @@
 //! `photonmap-mpi`: `photonmap render` on the ranks of an MPI job.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use clap::{CommandFactory, FromArgMatches};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, Root};
-use photon_core::{Bandwidth, Blocks, Budget, ErrorTarget, Film, Pipeline, Render, Settings, View};
+use photon_core::{Bandwidth, Blocks, Budget, Error, ErrorTarget, Event, Film, Pipeline, Render, Settings, View};
 use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
 use photonmap_cli::args::RenderArgs;
 use photonmap_cli::backend::{self, Chosen};
-use photonmap_cli::fault::Fault;
+use photonmap_cli::exposure::measured;
+use photonmap_cli::fault::{self, Fault};
 use photonmap_cli::forecast_text::error_line;
+use photonmap_cli::outputs::Outputs;
 use photonmap_cli::png_file::{self, Picture};
-use photonmap_cli::{atomic_write, exposure, exr_file, load};
+use photonmap_cli::{atomic_write, exr_file, load, signals, stderr};
 use photonmap_mpi::{Checkpoints, Outcome, render};
+
+/// As `eprintln!`, which panics if nobody reads standard error.
+macro_rules! say {
+    ($($text:tt)*) => { stderr::line(format_args!($($text)*)) };
+}
 
 const ABOUT: &str = "Render a scene on the ranks of an MPI job, which add their films in a fixed order.
 
@@ -27,7 +36,7 @@ none, or give --threads: otherwise a rank may be bound to one core.";
 
 fn main() -> ExitCode {
     let Some(universe) = mpi::initialize() else {
-        eprintln!("error: MPI is initialised already");
+        say!("error: MPI is initialised already");
         return ExitCode::FAILURE;
     };
     let world = universe.world();
@@ -44,8 +53,13 @@ fn main() -> ExitCode {
     };
     match run(&world, &args) {
         Ok(()) => ExitCode::SUCCESS,
+        // All ranks have ended.
+        Err(Fault::Interrupted(line)) => {
+            say!("{line}");
+            ExitCode::from(fault::INTERRUPTED)
+        }
         Err(fault) => {
-            eprintln!("error: rank {}: {fault}", world.rank());
+            say!("error: rank {}: {fault}", world.rank());
             let code = if matches!(fault, Fault::Input(_)) { 2 } else { 1 };
             // The others may wait for this one.
             world.abort(code)
@@ -86,19 +100,32 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
     let begun = Instant::now();
     let mut file = File { path: root, info, args, begun, written: begun, maker: &maker };
     let identity = (settings.seed, settings.errors);
-    let outcome = render(world, &mut *renderer, &remaining, identity, film, &mut (), &mut file)?;
-    let Outcome { film: Some(film), passes, stopped, reached, .. } = outcome else { return Ok(()) };
-    if root.is_some() {
-        file.write(&film)?;
+    let stop = signals::stop()?;
+    let mut observer =
+        |_: &Event<'_>| if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let outcome = render(world, &mut *renderer, &remaining, identity, film, &mut observer, &mut file)?;
+    // Only rank 0 says that it was interrupted, since mpirun ends all others at the first exit code above 0.
+    if world.rank() > 0 {
+        return Ok(());
     }
-    pictures(args, &film)?;
+    let Outcome { film, passes, stopped, reached, .. } = outcome;
+    let film = film.ok_or(Error::Cancelled)?;
+    let mut written = Outputs::default();
+    if root.is_some() {
+        written.keep(file.write(&film));
+    }
+    written.keep(pictures(args, &film));
     if let Some(reached) = &reached {
-        eprintln!("{}", error_line("result", reached));
+        say!("{}", error_line("result", reached));
     }
     let (ranks, seconds) = (world.size(), begun.elapsed().as_secs_f64());
-    let stopped = if stopped { ", interrupted" } else { "" };
-    eprintln!("{passes} passes on {ranks} ranks in {seconds:.1} s{stopped}; the film has {}", film.passes);
-    Ok(())
+    let line = format!("{passes} passes on {ranks} ranks in {seconds:.1} s");
+    if stopped {
+        written.keep(Err(Fault::Interrupted(format!("{line}, interrupted; the film has {}", film.passes))));
+    } else {
+        say!("{line}; the film has {}", film.passes);
+    }
+    written.result()
 }
 
 const PROGRAM: &str = concat!("photonmap-mpi ", env!("CARGO_PKG_VERSION"));
@@ -183,18 +210,19 @@ fn first_of(
     Ok(if end > start { Some(with_target(Blocks::new(start..end, grain)?)) } else { None })
 }
 
-/// Writes the pictures of the film.
+/// Writes the pictures of the film, each whatever becomes of the others.
 fn pictures(args: &RenderArgs, film: &Film) -> Result<(), Fault> {
+    let mut written = Outputs::default();
     for path in &args.files.output {
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
-            exr_file::write(path, film, args.files.transparent, &[])?;
+            written.file(path, exr_file::write(path, film, args.files.transparent, &[]));
         } else {
             let picture = Picture::new(film, args.files.transparent);
-            let stops = args.files.exposure.stops(&exposure::measured(&picture.colours, &film.alpha()));
-            png_file::write(path, &picture, args.files.tonemap, stops)?;
+            let stops = args.files.exposure.stops(&measured(&picture.colours, &film.alpha()));
+            written.file(path, png_file::write(path, &picture, args.files.tonemap, stops));
         }
     }
-    Ok(())
+    written.result()
 }
 
 /// The film file of rank 0.
@@ -223,7 +251,7 @@ impl<M: Fn(f64) -> Maker> Checkpoints for File<'_, M> {
 
     fn save(&mut self, film: &Film) {
         if let Err(fault) = self.write(film) {
-            eprintln!("warning: {fault}; rendering goes on");
+            say!("warning: {fault}; rendering goes on");
         }
         self.written = Instant::now();
     }

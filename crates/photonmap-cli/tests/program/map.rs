@@ -32,25 +32,16 @@ fn the_map_finds_what_brute_force_finds() {
     let point = |i: u32| [i % 7, i / 7 % 5, i / 35 % 3].map(|c| c as f32 * 0.25);
     let photons: Vec<_> = (0..200).map(point).collect();
     let queries: Vec<_> = (0..20).map(|i| point(i * 11 + 3).map(|c| c + 0.05)).collect();
-    let (p, q, out, json) =
-        (folder.join("p.npy"), folder.join("q.npy"), folder.join("out.npy"), folder.join("out.json"));
+    let (p, q, out) = (folder.join("p.npy"), folder.join("q.npy"), folder.join("out.npy"));
     save(&p, &photons);
     save(&q, &queries);
     let run = |backend: &str, arguments: &[&str]| {
         let mut command = photonmap("map");
         command.args(["--backend", backend]);
-        command
-            .arg("--photons")
-            .arg(&p)
-            .arg("--queries")
-            .arg(&q)
-            .arg("--neighbours")
-            .arg(&out)
-            .arg("--json")
-            .arg(&json);
+        command.arg("--photons").arg(&p).arg("--queries").arg(&q).arg("--neighbours").arg(&out).args(["--json", "-"]);
         let output = command.args(arguments).output().unwrap();
         assert!(output.status.success(), "{output:?}");
-        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!(report["backend"], backend);
         assert!(report["seconds_build"].is_number() && report["seconds_query"].is_number());
         load(&out)

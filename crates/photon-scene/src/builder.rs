@@ -7,7 +7,7 @@ use crate::mesh::{Mesh, VertexAttributes};
 use crate::portals::{self, PortalDesc};
 use crate::scene::Scene;
 use crate::texture::{TextureDesc, TextureId};
-use crate::{camera, lights, normalise, shading, solids, validate};
+use crate::{camera, contact, lights, normalise, shading, solids, validate};
 use photon_core::{EnvironmentMap, Light, Primitive, Units, light_cdf, shown};
 use std::sync::Arc;
 
@@ -202,9 +202,13 @@ impl SceneBuilder {
         let frame = normalise::Frame::new(&self.meshes, &self.lights)?;
         let source =
             shading::Source { meshes: &self.meshes, materials: &self.materials, textures: &self.textures, frame };
-        let geometry = normalise::geometry(&self.meshes, &self.materials, frame, source.is_shaded())?;
+        let mut geometry = normalise::geometry(&self.meshes, &self.materials, frame, source.is_shaded())?;
         let mut warnings = Vec::new();
         frame.warn(&mut warnings);
+        solids::warn(&geometry, &self.materials, &mut warnings);
+        let touching =
+            contact::Source { meshes: &self.meshes, materials: &self.materials, is_shaded: source.is_shaded() };
+        contact::separate(touching, &mut geometry, &mut warnings);
         let radiances = shading::Radiances::new(source, &geometry);
         let lit = lights::table(
             lights::Sources { lights: &self.lights, sun: self.sun.as_ref(), environment: self.environment.as_ref() },
@@ -228,14 +232,14 @@ impl SceneBuilder {
                 geometry.invisible
             ));
         }
-        if !geometry.dropped.is_empty() {
-            warnings.push(format!("{} triangles without area were dropped", geometry.dropped.len()));
+        let flat = geometry.dropped.len() - geometry.removed;
+        if flat > 0 {
+            warnings.push(format!("{flat} triangles without area were dropped"));
         }
         let is_infinite = |light: &Light| matches!(light.kind, Light::DIRECTIONAL | Light::ENVIRONMENT);
         if !portals.is_empty() && !lit.lights.iter().any(is_infinite) {
             warnings.push("portals have no effect, since no light is infinitely far away".to_owned());
         }
-        solids::warn(&geometry, &self.materials, &mut warnings);
 
         let radius = lit.lights.iter().map(|light| normalise::length(light.position)).fold(geometry.radius, f64::max);
         Ok(Scene {

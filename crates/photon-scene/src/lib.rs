@@ -10,6 +10,7 @@ mod builtin;
 mod bvh;
 mod camera;
 mod color;
+mod contact;
 mod describe;
 mod edges;
 mod environment;

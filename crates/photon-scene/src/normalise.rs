@@ -5,6 +5,7 @@ use crate::error::SceneError;
 use crate::mesh::Mesh;
 use glam::DVec3;
 use photon_core::parallel;
+use std::collections::BTreeSet;
 
 /// The similarity transform that recentres and scales the scene.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +31,11 @@ pub(crate) struct Geometry {
     pub(crate) sources: Vec<u32>,
     /// Emissive triangles, with their areas.
     pub(crate) emitters: Vec<(u32, f64)>,
-    /// Triangles dropped because they have no area: index of the mesh, and of the triangle within it.
+    /// Triangles that were left out of a mesh, because they have no area or by [`Geometry::remove`]: index of the mesh, and of
+    /// the triangle within it, sorted.
     pub(crate) dropped: Vec<[u32; 2]>,
+    /// Number of those that [`Geometry::remove`] left out.
+    pub(crate) removed: usize,
     /// Number of triangles left out because light passes them unchanged.
     pub(crate) invisible: u64,
     /// Radius of a sphere around the origin that contains the vertices.
@@ -179,6 +183,64 @@ impl Geometry {
     pub(crate) fn mesh_of(&self, primitive: u32) -> usize {
         // Meshes without remaining triangles start where the next one does, which comes after them.
         self.mesh_starts.partition_point(|&start| start <= primitive) - 1
+    }
+
+    /// Removes triangles. Returns the new index of each triangle that there was, `u32::MAX` for those.
+    pub(crate) fn remove(&mut self, triangles: &BTreeSet<u32>) -> Vec<u32> {
+        let mut places = Vec::with_capacity(self.triangles.len());
+        let (mut removed, mut kept) = (Vec::new(), 0);
+        for mesh in 0..self.mesh_starts.len() {
+            let first = self.dropped.partition_point(|at| at[0] < mesh as u32);
+            let mut dropped = self.dropped[first..].iter().peekable();
+            let mut source = 0;
+            for triangle in self.range(mesh) {
+                while dropped.next_if(|&&at| at == [mesh as u32, source]).is_some() {
+                    source += 1;
+                }
+                if triangles.contains(&(triangle as u32)) {
+                    removed.push([mesh as u32, source]);
+                    places.push(u32::MAX);
+                } else {
+                    places.push(kept);
+                    kept += 1;
+                }
+                source += 1;
+            }
+        }
+        let stays = |triangle: u32| places[triangle as usize] != u32::MAX;
+        fn keep<T>(items: &mut Vec<T>, stays: impl Fn(u32) -> bool) {
+            let mut index = 0..;
+            items.retain(|_| index.next().is_some_and(&stays));
+        }
+        for start in &mut self.mesh_starts {
+            *start -= triangles.range(..*start).count() as u32;
+        }
+        keep(&mut self.triangles, stays);
+        keep(&mut self.primitives, stays);
+        keep(&mut self.sources, stays);
+        self.emitters.retain_mut(|(triangle, _)| {
+            *triangle = places[*triangle as usize];
+            *triangle != u32::MAX
+        });
+        self.removed += removed.len();
+        self.dropped.extend(removed);
+        self.dropped.sort_unstable();
+        self.remove_unused_vertices();
+        places
+    }
+
+    fn remove_unused_vertices(&mut self) {
+        let mut moved = vec![u32::MAX; self.positions.len()];
+        self.triangles.iter().flatten().for_each(|&vertex| moved[vertex as usize] = 0);
+        let mut count = 0;
+        let mut used = moved.iter_mut();
+        self.positions.retain(|_| {
+            let Some(place) = used.next().filter(|place| **place == 0) else { return false };
+            *place = count;
+            count += 1;
+            true
+        });
+        self.triangles.iter_mut().flatten().for_each(|vertex| *vertex = moved[*vertex as usize]);
     }
 
     fn add(&mut self, mesh: &Mesh, emits: bool, frame: Frame, traced: bool) {

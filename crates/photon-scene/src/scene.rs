@@ -139,7 +139,7 @@ impl Scene {
         after.checked_sub(1).and_then(|mesh| self.mesh_names.get(mesh)).map_or("", AsRef::as_ref)
     }
 
-    /// Number of triangles that had no area and were dropped.
+    /// Number of triangles that were left out: those without area, and faces within one medium.
     #[must_use]
     pub fn dropped_triangles(&self) -> u64 {
         self.dropped.len() as u64

@@ -1,0 +1,114 @@
+//! Order of the surfaces in one plane, from what they bound.
+
+use std::cmp::Ordering;
+
+use crate::describe::MaterialDesc;
+
+/// The triangles of a mesh in one plane that face one way.
+#[derive(Clone, Debug)]
+pub(super) struct Patch<'a> {
+    pub(super) material: &'a MaterialDesc,
+    /// Whether its normal is along the direction in which levels count.
+    pub(super) is_up: bool,
+    /// Area of the triangles that touch others, and of the whole mesh.
+    pub(super) areas: [f64; 2],
+}
+
+/// Levels of the patches along the common direction, such that all orders hold, and the largest sheet, or else the
+/// largest solid, has level 0.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Levels {
+    pub(super) levels: Vec<i32>,
+    /// Whether solids are in optical contact with a sheet, since they touch each other around it.
+    pub(super) is_wet: bool,
+}
+
+/// Levels for patches of which `pairs` touch; `None` if no order is right.
+pub(super) fn levels(patches: &[Patch<'_>], pairs: &[[usize; 2]]) -> Option<Levels> {
+    let (levels, is_wet) = match sorted(patches, pairs, true) {
+        Some(levels) => (levels, false),
+        None => (sorted(patches, pairs, false)?, true),
+    };
+    let anchor = (0..patches.len()).max_by(|&a, &b| {
+        let (a, b) = (&patches[a], &patches[b]);
+        (!a.is_solid()).cmp(&!b.is_solid()).then_with(|| a.size(b))
+    })?;
+    let ground = levels[anchor];
+    Some(Levels { levels: levels.into_iter().map(|level| level - ground).collect(), is_wet })
+}
+
+/// The longest path to each patch from those that nothing is below (Kahn 1962).
+fn sorted(patches: &[Patch<'_>], pairs: &[[usize; 2]], film: bool) -> Option<Vec<i32>> {
+    let mut above = vec![Vec::new(); patches.len()];
+    let mut below = vec![0; patches.len()];
+    for &[a, b] in pairs {
+        let (low, high) = if patches[a].is_below(&patches[b], film) { (a, b) } else { (b, a) };
+        above[low].push(high);
+        below[high] += 1;
+    }
+    let mut levels = vec![0; patches.len()];
+    let mut ready: Vec<usize> = (0..patches.len()).filter(|&patch| below[patch] == 0).collect();
+    let mut done = 0;
+    while let Some(low) = ready.pop() {
+        done += 1;
+        for &high in &above[low] {
+            levels[high] = levels[high].max(levels[low] + 1);
+            below[high] -= 1;
+            if below[high] == 0 {
+                ready.push(high);
+            }
+        }
+    }
+    (done == patches.len()).then_some(levels)
+}
+
+impl Patch<'_> {
+    fn is_solid(&self) -> bool {
+        self.material.is_solid()
+    }
+
+    /// Whether this one is the lower one of two that touch. With `film`, there is air between solids and sheets.
+    fn is_below(&self, other: &Self, film: bool) -> bool {
+        match (self.is_solid(), other.is_solid()) {
+            // Each reaches into the other, so that there is no gap.
+            (true, true) if self.is_up != other.is_up => other.is_up,
+            // The outer one, which is entered first, is that which applies where both are; of equals the larger one, so
+            // that the smaller one within it applies.
+            (true, true) => {
+                let priority = self.material.priority.cmp(&other.material.priority);
+                let is_outer = priority.then_with(|| self.size(other)) == Ordering::Greater;
+                is_outer != self.is_up
+            }
+            // Recedes from its own front: the solid with a film of air, or the sheet without one.
+            (true, false) if film => self.is_up,
+            (false, true) if film => !other.is_up,
+            (true, false) => !other.is_up,
+            (false, true) => self.is_up,
+            // The smaller one is in front of the larger one.
+            (false, false) => match self.size(other) {
+                Ordering::Less => !other.is_up,
+                _ => self.is_up,
+            },
+        }
+    }
+
+    /// Order by size; of surfaces of equal size, by what they are, so that it does not depend on the order of meshes.
+    fn size(&self, other: &Self) -> Ordering {
+        // Sums in another order, or of other triangles, are equal up to rounding.
+        let rounded = |areas: [f64; 2]| areas.map(|area| (area.ln() * 1e4).round());
+        let ([touching, whole], [touches, all]) = (rounded(self.areas), rounded(other.areas));
+        // A solid counts as a whole, so that its curved boundary does not alternate.
+        let by_area = if self.is_solid() {
+            whole.total_cmp(&all).then(touching.total_cmp(&touches))
+        } else {
+            touching.total_cmp(&touches).then(whole.total_cmp(&all))
+        };
+        // What shines or lets light through is in front.
+        let hides = |patch: &Self| {
+            let material = patch.material;
+            (!material.is_emissive(), !matches!(material.surface, crate::Surface::Thin { .. }))
+        };
+        let text = |patch: &Self| format!("{:?}", (&patch.material.surface, patch.material.emission));
+        by_area.then_with(|| hides(self).cmp(&hides(other))).then_with(|| text(self).cmp(&text(other)))
+    }
+}

@@ -256,8 +256,14 @@ impl Source<'_> {
                     None => drop(told.failed.insert(names)),
                     Some(found) => {
                         let kind = if kind == Kind::Film && found.is_wet { Kind::Optical } else { kind };
-                        // Solids with a common outer face do not touch there.
-                        if kind != Kind::Optical || !contacts[*contact].is_parallel {
+                        // Not of solids with a common outer face, and of sheets that hide each other, as a box and its
+                        // floor: nothing is decided there.
+                        let decides = match kind {
+                            Kind::Film => true,
+                            Kind::Optical => !contacts[*contact].is_parallel,
+                            Kind::Sheets => contacts[*contact].is_parallel,
+                        };
+                        if decides {
                             told.pairs.entry(kind).or_default().insert(names);
                         }
                     }

@@ -152,7 +152,7 @@ pub struct PhotonArgs {
     /// chance [default: none do; those of point, spot and directional lights are always from photons].
     #[arg(long, value_name = "R", hide_short_help = true)]
     pub caustic_roughness: Option<f32>,
-    /// Maximum length of a path, in surface hits [default: 64].
+    /// Maximum length of a path, in surface hits [default: 1024].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub max_bounces: Option<u32>,
     /// Seed of all random numbers: the same seed gives the same picture.

@@ -293,9 +293,9 @@ impl Source<'_> {
             [false, false] => Kind::Sheets,
             _ => Kind::Film,
         };
-        let name = |mesh: usize| match self.meshes[mesh].name.as_str() {
-            "" => &self.material(mesh).name,
-            name => name,
+        let name = |mesh: usize| {
+            let own: &str = &self.meshes[mesh].name;
+            if own.is_empty() { &*self.material(mesh).name } else { own }
         };
         if solid == [false, true] || solid[0] == solid[1] && name(meshes[0]) > name(meshes[1]) {
             meshes.swap(0, 1);

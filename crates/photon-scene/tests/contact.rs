@@ -17,7 +17,7 @@ fn block(
     high: [f64; 3],
 ) -> impl Fn(&mut SceneBuilder, &dyn Fn([f64; 3]) -> [f64; 3]) {
     move |scene, place| {
-        let id = scene.material(MaterialDesc { name: name.to_owned(), ..material.clone() });
+        let id = scene.material(material.clone());
         let (positions, triangles) = shapes::cuboid(low, high);
         scene.mesh(name, positions.into_iter().map(place).collect(), triangles, id);
     }

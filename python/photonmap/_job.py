@@ -27,9 +27,10 @@ class Job:
     gpus: tuple[str, ...]
     threads: int
 
-    def renderer(self) -> Renderer:
+    def renderer(self, open: tuple[float | None, list[str]] | None = None) -> Renderer:
+        """`open`: seconds and the settings that are fixed, if the others are decided by the facts of a first pass."""
         device = (list(self.gpus), self.threads)
-        return Renderer(self.scene._raw(), self.scene.name, self.settings, self.size, self.camera, device)
+        return Renderer(self.scene._raw(), self.scene.name, self.settings, self.size, self.camera, device, open)
 
 
 # The last renderer of this process, while no thread uses it: its scene is prepared and its radii are known.

@@ -161,6 +161,7 @@ class Renderer:
         size: tuple[int, int],
         camera: str | None,
         device: tuple[list[str], int],
+        open: tuple[float | None, list[str]] | None,
     ) -> Renderer: ...
     def render(
         self, passes: int | None, seconds: float | None, error: tuple[float, float] | None, observer: Any

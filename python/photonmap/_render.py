@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
+import time as clock
 from typing import Any, Callable
 
 from ._blocks import check_executor, render_blocks
@@ -20,7 +21,7 @@ from ._settings import Settings
 
 __all__ = ["builtin_scenes", "render"]
 
-DEFAULT_PASSES = 32
+DEFAULT_PRESET = "balanced"
 
 
 def builtin_scenes() -> dict[str, str]:
@@ -53,8 +54,10 @@ def render(
 ) -> Film:
     """Renders a scene: a `Scene`, the name of a built-in one, or a file, to which `overrides` are applied.
 
-    It ends after so many `passes` (default 32, or those of the preset), after `time` in seconds, or when the estimated
-    relative error of the `share` of pixels is at most `target_error`, whichever comes first. `device`: "cpu", "gpu", a GPU by
+    It ends after so many `passes` (default: those of the preset, "balanced" if none is given), after `time` in seconds, or
+    when the estimated relative error of the `share` of pixels is at most `target_error`, whichever comes first. With `time`
+    or `target_error`, and without `passes`, `preset` and `settings`, settings that are not given are decided by the facts of a
+    first pass, as in the program. `device`: "cpu", "gpu", a GPU by
     index or a part of its name, "gpu:1", or several, "gpu:0,1" or "gpu:all", which render blocks of `grain` passes. Further
     keyword arguments are fields of `Settings`, such as `photons=200_000`; they change those of `settings` or of the `preset`.
     `memory`: of the limit, half is for reading the file of a scene, whose textures are reduced if they do not fit.
@@ -74,16 +77,23 @@ def render(
         raise InputError("give either settings= or preset=, not both")
     if target_error is not None:
         fields.setdefault("errors", True)
-    chosen = Settings(preset=preset, size=(width, height), **fields) if settings is None else settings.replace(**fields)
+    begun, given = clock.monotonic(), list(fields)
+    is_open = settings is None and preset is None and passes is None and (time is not None or target_error is not None)
+    if settings is not None:
+        chosen = settings.replace(**fields)
+    else:
+        # The preset is for derived radii.
+        usual = None if "estimator" in fields else DEFAULT_PRESET
+        chosen = Settings(preset=preset or usual, size=(width, height), **fields)
     devices = gpus(device)
     several = len(devices) > 1 or devices == ("all",)
     workers = 0 if threads is None else _whole("threads", threads, 4096)
     if passes is not None:
         passes = _whole("passes", passes, 2**32 - 2)
     elif time is None and target_error is None:
-        passes = DEFAULT_PASSES if preset is None else preset_passes(preset)
+        passes = preset_passes(preset or DEFAULT_PRESET)
     error = None if target_error is None else (number("target_error", target_error), number("share", share))
-    in_all = passes or DEFAULT_PASSES
+    in_all = passes or 1
     in_blocks = film is not None or executor is not None or grain is not None or several
     if in_blocks:
         _check_blocks(time, chosen)
@@ -121,7 +131,14 @@ def render(
             )
         else:
             reporter.add(0)
-            raw, _ = job.renderer().render(passes, None if time is None else number("time", time), error, reporter)
+            limit = None if time is None else number("time", time)
+
+            def left() -> float | None:
+                return None if limit is None else max(0.0, limit - (clock.monotonic() - begun))
+
+            fixed = given if target_error is None else [*given, "bandwidth", "indirect"]
+            renderer = job.renderer((left(), fixed) if is_open else None)
+            raw, _ = renderer.render(passes, left(), error, reporter)
     finally:
         reporter.close()
     return Film(raw)

@@ -7,7 +7,7 @@ use photonmap::cpu::Cpu;
 use photonmap::film::{FilmInfo, FilmKey, Maker};
 use photonmap::scene::Scene;
 use photonmap::{
-    Bandwidth, Blocks, Budget, Film, Pipeline, Plan, Render, Settings, TransportBackend, Units, View, render,
+    Bandwidth, Blocks, Budget, Film, Fixed, Pipeline, Plan, Render, Settings, TransportBackend, Units, View, render,
     render_blocks,
 };
 use pyo3::prelude::*;
@@ -36,7 +36,8 @@ pub(crate) struct Renderer {
 #[pymethods]
 impl Renderer {
     /// Uploads a scene to devices and derives the radii. `device`: GPUs as [`gpu::open`] and [`gpu::open_all`] name them, none
-    /// for the CPU, and its number of threads, 0 for all cores.
+    /// for the CPU, and its number of threads, 0 for all cores. `open`: seconds and the names of fixed settings, if the others are
+    /// decided by [`Pipeline::for_time`], on one device.
     #[new]
     fn new(
         py: Python<'_>,
@@ -46,12 +47,14 @@ impl Renderer {
         size: (u32, u32),
         camera: Option<&str>,
         device: (Vec<String>, usize),
+        open: Option<(Option<f64>, Vec<String>)>,
     ) -> PyResult<Self> {
         let ((width, height), (gpus, threads)) = (size, device);
-        let settings = parse(settings)?;
+        let mut settings = parse(settings)?;
         let scene = Arc::clone(&scene.scene);
         let view = View { camera: scene.camera(camera, width, height).map_err(Failure::from)?, width, height };
-        let inner = py.detach(|| start(&scene, view, &settings, &gpus, threads))?;
+        let open = open.map(|(time, given)| (time, Fixed::given(|name| given.iter().any(|each| each == name))));
+        let inner = py.detach(|| start(&scene, view, &mut settings, (&gpus, threads), open))?;
         Ok(Self { inner: Mutex::new(Local::new(inner)), scene, name: name.to_owned(), view, settings })
     }
 
@@ -217,18 +220,25 @@ impl Renderer {
     }
 }
 
+/// Renderers on these devices; `settings` get what is decided.
 fn start(
     scene: &Scene,
     view: View,
-    settings: &Settings,
-    gpus: &[String],
-    threads: usize,
+    settings: &mut Settings,
+    (gpus, threads): (&[String], usize),
+    open: Option<(Option<f64>, Fixed)>,
 ) -> Result<Vec<Box<dyn Render>>, Failure> {
     if gpus.is_empty() {
         let on = if threads == 0 { Cpu::new()? } else { Cpu::with_threads(threads)? };
-        return Ok(vec![pipeline(on, scene, view, settings)?]);
+        return Ok(vec![decided(on, scene, view, settings, open)?]);
     }
-    let devices = gpu::open_all(gpus)?;
+    let mut devices = gpu::open_all(gpus)?;
+    if devices.len() == 1
+        && let Some(on) = devices.pop()
+    {
+        return Ok(vec![decided(on, scene, view, settings, open)?]);
+    }
+    let settings = &*settings;
     // They compile their kernels at the same time.
     std::thread::scope(|threads| {
         let start = |on| threads.spawn(move || pipeline(on, scene, view, settings));
@@ -238,6 +248,21 @@ fn start(
             .map(|renderer| renderer.join().map_err(|_| Failure::device("a device failed while it was prepared"))?);
         joined.collect()
     })
+}
+
+fn decided<B: TransportBackend>(
+    on: B,
+    scene: &Scene,
+    view: View,
+    settings: &mut Settings,
+    open: Option<(Option<f64>, Fixed)>,
+) -> Result<Box<dyn Render>, Failure> {
+    let Some(open) = open else { return pipeline(on, scene, view, settings) };
+    let (renderer, decision) = Pipeline::for_time(on, &scene.view(), view, settings, open)?;
+    if let Some(decision) = decision {
+        *settings = decision.settings;
+    }
+    Ok(Box::new(renderer))
 }
 
 fn pipeline<B: TransportBackend>(

@@ -46,7 +46,8 @@ impl TransportBackend for Cpu {
             }),
             direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
             gather: if required.final_gather {
-                Some(Box::new(CpuGather { max_bounces: settings.max_bounces }))
+                let on_surface = settings.area == Area::Surface;
+                Some(Box::new(CpuGather { max_bounces: settings.max_bounces, on_surface }))
             } else {
                 None
             },

@@ -22,6 +22,10 @@ use crate::vulkan::Vulkan;
 impl TransportBackend for Vulkan {
     type Scene = VulkanScene;
 
+    fn is_gpu(&self) -> bool {
+        !self.limits().is_software()
+    }
+
     fn batch(&self) -> u32 {
         // A batch takes as long as its longest path, however few paths it has: a GPU needs many paths at a
         // time.
@@ -46,7 +50,8 @@ impl TransportBackend for Vulkan {
             eye: Box::new(VulkanEye::new(self, settings, required)?),
             direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
             gather: if required.final_gather {
-                Some(Box::new(VulkanGather::new(settings.max_bounces, Box::new(VulkanEstimator::default()))))
+                let area = (settings.area == Area::Surface).then_some(VulkanArea);
+                Some(Box::new(VulkanGather::new(settings.max_bounces, Box::new(VulkanEstimator::default()), area)))
             } else {
                 None
             },

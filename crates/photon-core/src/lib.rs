@@ -77,6 +77,7 @@ pub use scene::{SceneView, light_cdf, light_probability, pick_light};
 pub use settings::budget::{Budget, Plan};
 pub use settings::kernel::Kernel;
 pub use settings::preset::Preset;
+pub use settings::rule::{Circumstances, Decision, FirstPass, Fixed};
 pub use settings::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Scheduling, Settings,
 };

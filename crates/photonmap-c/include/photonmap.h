@@ -854,6 +854,18 @@ PmStatus pm_renderer_new(const struct PmScene *scene,
                          struct PmRenderer **renderer);
 
 /**
+ * Makes a renderer as pm_renderer_new() does, for about `seconds` of rendering, above 0 and finite, which begin now: settings that
+ * `settings` leaves out are decided by the facts of a first pass, which is in no film. Passes are then rendered by
+ * pm_renderer_passes() as long as there is time. Which settings were decided may depend on the speed of the machine.
+ */
+PmStatus pm_renderer_for_time(const struct PmScene *scene,
+                              const struct PmView *view,
+                              double seconds,
+                              const char *settings,
+                              const struct PmDevice *device,
+                              struct PmRenderer **renderer);
+
+/**
  * Renders the passes `first` to `first + count - 1` and adds them to the film. A pass depends on its index alone, so that
  * passes may be distributed over renderers and machines.
  *

@@ -2,8 +2,8 @@
 
 use std::ffi::{c_char, c_void};
 
-use photonmap::Settings;
 use photonmap::scene::LoadOptions;
+use photonmap::{Fixed, Settings};
 
 use crate::caster::PmCaster;
 use crate::error::{Fault, PmStatus, Result};
@@ -97,7 +97,18 @@ pub(crate) unsafe fn loading<'a>(options: *const PmLoadOptions) -> Result<(Optio
 /// `json` is NULL or a text.
 pub(crate) unsafe fn settings(json: *const c_char) -> Result<Settings> {
     // SAFETY: as the caller ensures.
-    let Some(text) = (unsafe { pointer::text_or_null(json, "settings") })? else { return Ok(Settings::default()) };
+    Ok(unsafe { given_settings(json) }?.0)
+}
+
+/// Settings from JSON, and those that it fixes; NULL is `{}`.
+///
+/// # Safety
+/// `json` is NULL or a text.
+pub(crate) unsafe fn given_settings(json: *const c_char) -> Result<(Settings, Fixed)> {
+    // SAFETY: as the caller ensures.
+    let Some(text) = (unsafe { pointer::text_or_null(json, "settings") })? else {
+        return Ok((Settings::default(), Fixed::default()));
+    };
     // An array would be read as the values of the first fields.
     if !text.trim_start().starts_with('{') {
         return Err(Fault::new(
@@ -105,8 +116,9 @@ pub(crate) unsafe fn settings(json: *const c_char) -> Result<Settings> {
             "settings: not a JSON object, such as {\"photons\": 100000}",
         ));
     }
-    let settings: Settings = serde_json::from_str(text)
-        .map_err(|error| Fault::new(PmStatus::InvalidSettings, format!("settings: {error}")))?;
+    let invalid = |error: serde_json::Error| Fault::new(PmStatus::InvalidSettings, format!("settings: {error}"));
+    let settings: Settings = serde_json::from_str(text).map_err(invalid)?;
     settings.validate()?;
-    Ok(settings)
+    let fields: serde_json::Map<String, serde_json::Value> = serde_json::from_str(text).map_err(invalid)?;
+    Ok((settings, Fixed::given(|name| fields.contains_key(name))))
 }

@@ -8,7 +8,7 @@ use photonmap::cpu::Cpu;
 use photonmap::film::{FilmInfo, FilmKey, Maker};
 use photonmap::scene::Scene;
 use photonmap::vulkan::Vulkan;
-use photonmap::{Event, Film, PassEnd, Pipeline, Render, Settings, View};
+use photonmap::{Decision, Event, Film, Fixed, PassEnd, Pipeline, Render, Settings, TransportBackend, View};
 
 use crate::caster::Caster;
 use crate::error::{Fault, PmStatus, Result, call, free, length};
@@ -37,6 +37,31 @@ impl PmRenderer {
             Device::Cpu(cpu) => Box::new(Pipeline::in_batches(cpu, &scene.view(), view, settings.clone(), BATCH)?),
             Device::Vulkan(gpu) => Box::new(Pipeline::new(*gpu, &scene.view(), view, settings.clone())?),
         };
+        Ok(Self { renderer, scene, view, settings, next: Some(0) })
+    }
+
+    /// With settings that are decided by the facts of a first pass.
+    fn for_time(
+        scene: Arc<Scene>,
+        view: View,
+        settings: Settings,
+        device: Device,
+        open: (Option<f64>, Fixed),
+    ) -> Result<Self> {
+        fn made<B: TransportBackend>(
+            on: B,
+            (scene, view): (&Scene, View),
+            settings: &Settings,
+            open: (Option<f64>, Fixed),
+        ) -> Result<(Box<dyn Render>, Option<Decision>)> {
+            let (renderer, decision) = Pipeline::for_time(on, &scene.view(), view, settings, open)?;
+            Ok((Box::new(renderer), decision))
+        }
+        let (renderer, decision) = match device {
+            Device::Cpu(cpu) => made(cpu, (&scene, view), &settings, open)?,
+            Device::Vulkan(gpu) => made(*gpu, (&scene, view), &settings, open)?,
+        };
+        let settings = decision.map_or(settings, |decision| decision.settings);
         Ok(Self { renderer, scene, view, settings, next: Some(0) })
     }
 
@@ -156,15 +181,53 @@ pub unsafe extern "C" fn pm_renderer_new(
         // SAFETY: the caller's handle, structs and texts, and pointer to a handle.
         unsafe {
             pointer::hand_out(renderer, || {
-                let scene = &pointer::shared(scene, "scene")?.scene;
-                let view = pointer::read(view)?;
-                let camera = pointer::text_or_null(view.camera, "camera")?;
-                let (width, height) = (view.width, view.height);
-                let view = View { camera: scene.camera(camera, width, height)?, width, height };
+                let (scene, view) = (&pointer::shared(scene, "scene")?.scene, seen(scene, view)?);
                 PmRenderer::new(scene.clone(), view, options::settings(settings)?, open(device)?)
             })
         }
     })
+}
+
+/// Makes a renderer as pm_renderer_new() does, for about `seconds` of rendering, above 0 and finite, which begin now: settings that
+/// `settings` leaves out are decided by the facts of a first pass, which is in no film. Passes are then rendered by
+/// pm_renderer_passes() as long as there is time. Which settings were decided may depend on the speed of the machine.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_renderer_for_time(
+    scene: *const PmScene,
+    view: *const PmView,
+    seconds: f64,
+    settings: *const c_char,
+    device: *const PmDevice,
+    renderer: *mut *mut PmRenderer,
+) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, structs and texts, and pointer to a handle.
+        unsafe {
+            pointer::hand_out(renderer, || {
+                if !(seconds > 0.0 && seconds.is_finite()) {
+                    return Err(Fault::argument(format!("seconds is {seconds}, but must be above 0 and finite")));
+                }
+                let (scene, view) = (&pointer::shared(scene, "scene")?.scene, seen(scene, view)?);
+                let (settings, fixed) = options::given_settings(settings)?;
+                PmRenderer::for_time(scene.clone(), view, settings, open(device)?, (Some(seconds), fixed))
+            })
+        }
+    })
+}
+
+/// The view of a picture.
+///
+/// # Safety
+/// `scene` and `view` are NULL or valid.
+unsafe fn seen(scene: *const PmScene, view: *const PmView) -> Result<View> {
+    // SAFETY: as the caller ensures.
+    unsafe {
+        let scene = &pointer::shared(scene, "scene")?.scene;
+        let view = pointer::read(view)?;
+        let camera = pointer::text_or_null(view.camera, "camera")?;
+        let (width, height) = (view.width, view.height);
+        Ok(View { camera: scene.camera(camera, width, height)?, width, height })
+    }
 }
 
 /// Renders the passes `first` to `first + count - 1` and adds them to the film. A pass depends on its index alone, so that

@@ -11,6 +11,7 @@ use crate::fault::Fault;
 
 mod environment;
 mod film;
+mod fixed;
 mod groups;
 #[cfg(test)]
 mod tests;
@@ -28,9 +29,8 @@ pub(crate) fn index_names() -> impl TypedValueParser<Value = IndexKind> {
     values::choice(IndexKind::ALL.map(IndexKind::name))
 }
 
-/// Default number of passes if neither `--passes` nor `--time` is given: a finished picture of the default
-/// scene, well within a minute on two cores.
-pub const PASSES: u32 = 32;
+/// Preset if none is given.
+pub const PRESET: Preset = Preset::Balanced;
 
 /// `--preset preview` has fewer passes on the CPU if they would end later than this after the start of the program.
 const QUICK_LOOK: Duration = Duration::from_secs(2);
@@ -88,7 +88,8 @@ pub struct RenderArgs {
     pub explain: bool,
 }
 
-/// Show what a scene requires with these settings, what is left out and why. No picture is made.
+/// Show what a scene requires with these settings, what is left out and why; with `--time`, `--preset` or `--target-error` also
+/// which settings are decided. No picture is made.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "explain")]
 pub struct ExplainArgs {
@@ -98,7 +99,7 @@ pub struct ExplainArgs {
     /// Render settings.
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// Where trials are run.
+    /// Where the first pass is rendered, by which settings are decided.
     #[command(flatten)]
     pub machine: MachineArgs,
 }
@@ -119,9 +120,8 @@ impl SettingsArgs {
                     "--preset: --estimator paper has its own parameters; leave out one of the two",
                 ));
             }
-            Some(preset) => Settings::preset(preset, pixels),
-            None if paper => Settings { gather_rays: 8, ..Settings::paper() },
-            None => Settings { gather_rays: 8, ..Settings::default() },
+            None if paper => Settings::paper(),
+            preset => Settings::preset(preset.unwrap_or(PRESET), pixels),
         };
         if budget.passes.is_some_and(|passes| passes.count == 0) {
             return Err(Fault::input("--passes is 0, but at least 1 is needed"));
@@ -132,22 +132,17 @@ impl SettingsArgs {
         let irradiance_every = light.irradiance_every.or(base.irradiance_every);
         let indirect = light.indirect.unwrap_or(base.indirect);
         let derived = matches!(estimator, Estimator::Radius { radius: None }) && irradiance_every.is_none();
-        // The settings from which trials choose, and with --errors those that were measured to be best for a given time.
-        let timed = derived && self.is_timed();
-        // With other settings than those, radii are adapted to the time, which requires error estimates.
-        let adapts = derived && !timed && budget.passes.is_none() && budget.time.is_some();
-        let kind = if timed { Settings::preset(Preset::Final, pixels) } else { base.clone() };
+        // With a preset and a time, radii are adapted to the time, which requires error estimates.
+        let adapts = derived && budget.preset.is_some() && budget.passes.is_none() && budget.time.is_some();
         let bandwidth = match estimate.bandwidth {
             Some(bandwidth) => bandwidth,
             // Neither final gathering nor the k nearest photons have a radius per pixel.
             None if indirect == Indirect::Gather || !matches!(estimator, Estimator::Radius { .. }) => Bandwidth::Shared,
-            // Trials in the scene tell whether a radius per pixel is worth the error estimates, which cost up to half of the passes.
-            None if timed && !budget.errors => Bandwidth::Shared,
-            None => kind.bandwidth,
+            None => base.bandwidth,
         };
         let settings = Settings {
             errors: budget.errors || budget.target_error.is_some() || adapts || bandwidth == Bandwidth::PerPixel,
-            photons: photon.photons.unwrap_or(base.photons.min(kind.photons)),
+            photons: photon.photons.unwrap_or(base.photons),
             estimator,
             radius_factor: estimate.radius_factor.unwrap_or(base.radius_factor),
             kernel: estimate.kernel.unwrap_or(base.kernel),
@@ -155,7 +150,7 @@ impl SettingsArgs {
             direct: light.direct,
             indirect,
             bandwidth,
-            area: estimate.area.unwrap_or(kind.area),
+            area: estimate.area.unwrap_or(base.area),
             max_plane_distance: estimate.max_plane_distance.unwrap_or(base.max_plane_distance),
             caustic_photons: photon.caustic_photons.unwrap_or(base.caustic_photons),
             caustic_roughness: photon.caustic_roughness.or(base.caustic_roughness),
@@ -173,14 +168,6 @@ impl SettingsArgs {
         settings.validate()?;
         self.plan(None).validate()?;
         Ok(settings)
-    }
-
-    /// Whether the time is given and nothing else that determines its use: settings that are not given are chosen for it.
-    #[must_use]
-    pub fn is_timed(&self) -> bool {
-        let budget = &self.budget;
-        let others = budget.target_error.is_some() || budget.total_photons.is_some() || budget.preset.is_some();
-        budget.time.is_some() && budget.passes.is_none() && !others
     }
 
     /// The estimator with its parameters from the options.
@@ -220,7 +207,7 @@ impl SettingsArgs {
             (None, Some(photons), ..) => Budget::Photons(photons),
             (None, None, Some(time), _) => Budget::Time(time),
             (None, None, None, passes) => {
-                Budget::Passes(passes.unwrap_or_else(|| budget.preset.map_or(PASSES, Preset::passes)))
+                Budget::Passes(passes.unwrap_or_else(|| budget.preset.unwrap_or(PRESET).passes()))
             }
         };
         let first = budget.passes.map_or(0, |passes| passes.first);

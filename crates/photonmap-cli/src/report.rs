@@ -4,6 +4,8 @@ use photon_core::{Film, FluxSum, Forecast, LightShare, Outcome, PerMap, Render, 
 use photon_scene::LoadReport;
 use serde_json::{Value, json};
 
+use crate::command::decided::Decided;
+
 /// Contents of the report besides those of the renderer.
 #[derive(Debug)]
 pub struct Details<'a> {
@@ -35,6 +37,8 @@ pub struct Details<'a> {
     pub seconds_start: f64,
     /// Seconds spent opening the device, most of them while the scene is loaded; 0 for several devices.
     pub seconds_device: f64,
+    /// Settings that were decided.
+    pub decided: Option<&'a Decided>,
     /// Seconds from the first pass to the film on the host.
     pub seconds_passes: f64,
     /// Seconds from start to finished film.
@@ -119,6 +123,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         "seconds": seconds_of(&facts.setup, details),
         "photons_per_second": if tracing > 0.0 { tally.emitted as f64 / tracing } else { 0.0 },
         "grain": details.grain,
+        "decided": details.decided.map(|decided| decided.json(outcome.passes)),
         "settings": details.settings,
         "report": details.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": details.warnings,

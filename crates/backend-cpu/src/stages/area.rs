@@ -6,8 +6,8 @@ use photon_core::area::{self, HEIGHT, MIN_RADIUS, Probe, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    AreaProbe, EstimateBuffers, EstimateParams, Features, Hit, Lobe, Pass, Query, RandomKind, Ray, Result,
-    SurfaceInteraction, anisotropy, math, offset, sampling,
+    AreaProbe, ErrorMoments, Estimate, EstimateBuffers, EstimateParams, Features, Hit, Lobe, Pass, Query, RandomKind,
+    Ray, Result, SurfaceInteraction, anisotropy, math, offset, sampling,
 };
 use rayon::prelude::*;
 
@@ -40,38 +40,64 @@ impl AreaProbe<Cpu> for CpuArea {
     ) -> Result<()> {
         let estimates = buffers.estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK));
         let has_alpha = scene.present.intersects(Features::RANDOM_SURFACES);
+        let around = |query| Around { scene, pass, query, gather, has_alpha };
         on.pool.install(|| match buffers.error_moments {
             None => estimates.for_each(|(estimates, queries)| {
                 for (estimate, query) in estimates.iter_mut().zip(queries) {
-                    // An estimate of 0 needs no correction.
-                    if estimate.photons > 0 {
-                        let radius = estimate.radius_squared.sqrt();
-                        let disc = Disc { scene, pass, query, gather, radius };
-                        let shares =
-                            if has_alpha { disc.shares::<false, true>() } else { disc.shares::<false, false>() };
-                        estimate.radius_squared *= shares[0];
-                    }
+                    around(query).correct(estimate);
                 }
             }),
             Some(error_moments) => {
                 estimates.zip(error_moments.data.par_chunks_mut(BLOCK)).for_each(
                     |((estimates, queries), error_moments)| {
                         for ((estimate, query), moments) in estimates.iter_mut().zip(queries).zip(error_moments) {
-                            if moments.photons > 0 {
-                                let radius = estimate.radius_squared.sqrt();
-                                let disc = Disc { scene, pass, query, gather, radius };
-                                let [share, wide, narrow] =
-                                    if has_alpha { disc.shares::<true, true>() } else { disc.shares::<true, false>() };
-                                estimate.radius_squared *= share;
-                                moments.wide = moments.wide.map(|flux| flux * (share / wide));
-                                moments.narrow = moments.narrow.map(|flux| flux * (share / narrow));
-                            }
+                            around(query).correct_with_moments(estimate, moments);
                         }
                     },
                 );
             }
         });
         scene.check_caster()
+    }
+}
+
+/// The surroundings of a query.
+#[derive(Clone, Copy)]
+pub(crate) struct Around<'a> {
+    pub(crate) scene: &'a CpuScene,
+    pub(crate) pass: Pass,
+    pub(crate) query: &'a Query,
+    pub(crate) gather: &'a EstimateParams,
+    /// Whether surfaces may have holes.
+    pub(crate) has_alpha: bool,
+}
+
+impl<'a> Around<'a> {
+    fn disc(&self, estimate: &Estimate) -> Disc<'a> {
+        let Self { scene, pass, query, gather, .. } = *self;
+        Disc { scene, pass, query, gather, radius: estimate.radius_squared.sqrt() }
+    }
+
+    /// Divides an estimate by the share of its disc that lies on the surface.
+    pub(crate) fn correct(&self, estimate: &mut Estimate) {
+        // An estimate of 0 needs no correction.
+        if estimate.photons > 0 {
+            let disc = self.disc(estimate);
+            let shares = if self.has_alpha { disc.shares::<false, true>() } else { disc.shares::<false, false>() };
+            estimate.radius_squared *= shares[0];
+        }
+    }
+
+    /// The same with error moments, which are divided by the shares of their own discs.
+    pub(crate) fn correct_with_moments(&self, estimate: &mut Estimate, moments: &mut ErrorMoments) {
+        if moments.photons > 0 {
+            let disc = self.disc(estimate);
+            let [share, wide, narrow] =
+                if self.has_alpha { disc.shares::<true, true>() } else { disc.shares::<true, false>() };
+            estimate.radius_squared *= share;
+            moments.wide = moments.wide.map(|flux| flux * (share / wide));
+            moments.narrow = moments.narrow.map(|flux| flux * (share / narrow));
+        }
     }
 }
 

@@ -12,6 +12,7 @@ use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::index::Neighbours;
 use crate::scene::CpuScene;
+use crate::stages::area::Around;
 use crate::stages::error_moments::estimate_with_moments_at;
 use crate::stages::estimate::{PowerFactor, VisiblePoint, estimate_at};
 
@@ -19,6 +20,8 @@ use crate::stages::estimate::{PowerFactor, VisiblePoint, estimate_at};
 #[derive(Debug)]
 pub(crate) struct CpuGather {
     pub(crate) max_bounces: u32,
+    /// Whether estimates where rays land are divided by the area on the surface.
+    pub(crate) on_surface: bool,
 }
 
 impl FinalGather<Cpu> for CpuGather {
@@ -35,7 +38,7 @@ impl FinalGather<Cpu> for CpuGather {
         for (map, gather) in maps.photons.values().chain([&maps.irradiance]).flatten() {
             gather.validate_for(map.photon_format())?;
         }
-        let max_bounces = self.max_bounces;
+        let Self { max_bounces, on_surface } = *self;
         let follow =
             match (scene.present.intersects(Features::SHADED), scene.present.intersects(Features::RANDOM_SURFACES)) {
                 (_, true) => follow::<true, true>,
@@ -49,7 +52,8 @@ impl FinalGather<Cpu> for CpuGather {
                 let mut sum = Found::default();
                 for ray in 0..rays {
                     let ray = (ray, rays, errors.is_some());
-                    sum.add(&follow(scene, maps, query, sampler, ray, max_bounces, scratch), 1.0 / f64::from(rays));
+                    let found = follow(scene, maps, query, sampler, ray, (max_bounces, pass, on_surface), scratch);
+                    sum.add(&found, 1.0 / f64::from(rays));
                 }
                 deposit(pixel, Layer::Indirect, query.throughput, sum.irradiance);
                 if let Some(errors) = errors {
@@ -125,7 +129,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
     query: &Query,
     mut sampler: Sampler,
     (index, rays, with_errors): (u32, u32, bool),
-    max_bounces: u32,
+    (max_bounces, pass, on_surface): (u32, Pass, bool),
     scratch: &mut PerMap<Neighbours>,
 ) -> Found {
     let block = index * max_bounces.saturating_add(1);
@@ -251,15 +255,29 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
             found.irradiance = estimate.flux.map(f64::from);
             return found.times(throughput.to_array());
         }
+        let landing = Query {
+            position: surface.point.into(),
+            normal: surface.normal.into(),
+            path: query.path,
+            ..Query::default()
+        };
         for (kind, map) in maps.photons.iter() {
             let Some((map, gather)) = map else { continue };
             let paths = maps.paths[kind];
+            let around = Around { scene, pass, query: &landing, gather, has_alpha: ALPHA };
             let estimate = if with_errors {
-                let (estimate, moments) = estimate_with_moments_at(map, at(gather), gather);
+                let (mut estimate, mut moments) = estimate_with_moments_at(map, at(gather), gather);
+                if on_surface {
+                    around.correct_with_moments(&mut estimate, &mut moments);
+                }
                 found.add_moments(&estimate, &moments, paths);
                 estimate
             } else {
-                estimate_at(map, at(gather), gather, &mut scratch[kind])
+                let mut estimate = estimate_at(map, at(gather), gather, &mut scratch[kind]);
+                if on_surface {
+                    around.correct(&mut estimate);
+                }
+                estimate
             };
             for (sum, e) in found.irradiance.iter_mut().zip(estimate.irradiance(paths)) {
                 *sum += e;

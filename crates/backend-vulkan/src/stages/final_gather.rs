@@ -2,14 +2,15 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::{
-    ErrorMoments, Estimate, Features, FinalGather, Layer, Maps, MediaFeatures, Pass, PhotonFormat, Query,
-    RadianceEstimator, Result,
+    AreaProbe as _, ErrorMoments, Estimate, EstimateBuffers, Features, FinalGather, Layer, Maps, MediaFeatures, Pass,
+    PhotonFormat, Query, RadianceEstimator, Result,
 };
 
 use crate::device::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
 use crate::scene::VulkanScene;
 use crate::shaders;
+use crate::stages::area::VulkanArea;
 use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
@@ -20,6 +21,8 @@ const GROUP: u32 = 128;
 pub(crate) struct VulkanGather {
     max_bounces: u32,
     estimator: Box<dyn RadianceEstimator<Vulkan>>,
+    /// Divides estimates where rays land by the area on the surface.
+    area: Option<VulkanArea>,
     landed: Option<(VulkanBuffer<Query>, VulkanBuffer<Estimate>)>,
     errors: Option<ErrorBuffers>,
 }
@@ -83,9 +86,14 @@ specialized!(
 );
 
 impl VulkanGather {
-    /// Constructs a gatherer for paths of at most `max_bounces` surfaces; `estimator` reads the maps.
-    pub(crate) fn new(max_bounces: u32, estimator: Box<dyn RadianceEstimator<Vulkan>>) -> Self {
-        Self { max_bounces, estimator, landed: None, errors: None }
+    /// Constructs a gatherer for paths of at most `max_bounces` surfaces; `estimator` reads the maps, and with `area` divides by
+    /// the area on the surface.
+    pub(crate) fn new(
+        max_bounces: u32,
+        estimator: Box<dyn RadianceEstimator<Vulkan>>,
+        area: Option<VulkanArea>,
+    ) -> Self {
+        Self { max_bounces, estimator, area, landed: None, errors: None }
     }
 }
 
@@ -202,6 +210,12 @@ impl FinalGather<Vulkan> for VulkanGather {
                                 error_moments,
                             )?;
                         }
+                    }
+                    // Points of irradiance have their areas already.
+                    if let Some(area) = self.area.as_mut().filter(|_| maps.irradiance.is_none()) {
+                        let error_moments = errors.as_mut().map(|errors| &mut errors.error_moments);
+                        let buffers = EstimateBuffers { estimates: &mut estimates, error_moments };
+                        area.correct(on, scene, pass, &landings, gather, buffers)?;
                     }
                     let scale = (1.0 / (std::f64::consts::PI * (*paths).max(1) as f64 * f64::from(rays))) as f32;
                     on.dispatch(&add, &GatheredPush { scale, ..push }, u64::from(count_queries.div_ceil(GROUP)))?;

@@ -105,6 +105,11 @@ pub trait TransportBackend: FilmBackend {
     /// A scene, prepared for tracing.
     type Scene: Send;
 
+    /// Whether it is a GPU, where many paths take hardly longer than few.
+    fn is_gpu(&self) -> bool {
+        false
+    }
+
     /// Number of paths that are traced at a time: enough to keep the device busy, but few enough to limit
     /// the memory of their rays (48 bytes each) and the delay until an observer can stop. The result does
     /// not depend on it.

@@ -6,10 +6,12 @@ use crate::backend::memory::Costs;
 use crate::backend::stages::{EstimateBuffers, EstimateParams, Pass, Search};
 use crate::backend::{Backend, Stage, TransportBackend};
 use crate::error::Result;
+use crate::requirements::features::Features;
 use crate::requirements::photon_format::PhotonFormat;
+use crate::scene::SceneView;
 use crate::scene::layout::{Estimate, Photon, Query};
-use crate::settings::Settings;
 use crate::settings::kernel::Kernel;
+use crate::settings::{Area, Indirect, Settings};
 
 /// Points of precomputed irradiance; the buffers are reused from pass to pass.
 pub(super) struct Points<B: Backend> {
@@ -26,6 +28,20 @@ pub(super) struct Points<B: Backend> {
 /// with a kernel that weights the centre higher, energy is gained: a share of 6 every/n² with
 /// Epanechnikov's kernel and n photons in a disc.
 const POINT_KERNEL: Kernel = Kernel::Constant;
+
+/// Every so many photons have a point where areas are those on the surface, if nothing else is asked for: the probes of all
+/// rays would take several times as long as the rays.
+const EVERY: u32 = 4;
+
+/// The settings with points of irradiance for final gathering that divides by areas on the surface. Where points are not possible,
+/// since there are vertex normals or error estimates, each ray probes.
+pub(crate) fn with_points(scene: &SceneView<'_>, settings: Settings) -> Settings {
+    let gathers = settings.indirect == Indirect::Gather && settings.area == Area::Surface && !settings.errors;
+    if !gathers || Features::of(scene).contains(Features::SHADING_NORMALS) {
+        return settings;
+    }
+    Settings { irradiance_every: settings.irradiance_every.or(Some(EVERY)), ..settings }
+}
 
 /// Memory of the backend, including the points.
 pub(super) fn costs<B: TransportBackend>(on: &B, costs: Costs, settings: &Settings) -> Costs {

@@ -92,8 +92,9 @@ mod aimed;
 mod check;
 mod end;
 mod estimate;
+mod first_pass;
 mod fit;
-mod irradiance;
+pub(crate) mod irradiance;
 mod look;
 mod own_radii;
 mod photon_format;
@@ -178,6 +179,7 @@ impl<B: TransportBackend> Pipeline<B> {
         required: Requirements,
         batch: u32,
     ) -> Result<Self> {
+        let settings = irradiance::with_points(scene, settings);
         let (stages, aiming) = aimed::stages(&mut on, scene, &settings, &required, None)?;
         let mut pipeline = Self::assemble(on, scene, (view.within(scene), None), settings, (required, stages), batch)?;
         pipeline.add_aiming(aiming);

@@ -281,19 +281,14 @@ fn patience(renderer: &mut dyn Render, passes: u32) -> Result<()> {
     Ok(())
 }
 
-/// Whether to stop before the next pass: the budget is spent, the next pass would exceed a time that is asked for by more than
-/// half of its duration, or a maximum at all.
+/// Whether to stop before the next pass: the budget is spent, or the next pass is expected to end too late.
 fn is_over(plan: &Plan, outcome: &Outcome, clock: &Clock) -> bool {
     if outcome.passes == 0 {
         return false;
     }
     let (elapsed, pass) = (clock.elapsed(), clock.pass());
-    let spent = match plan.until {
-        Budget::Photons(photons) => outcome.paths >= photons,
-        Budget::Time(time) => elapsed + pass / 2 > time,
-        Budget::Passes(_) | Budget::Error { .. } => false,
-    };
-    spent || plan.most_time.is_some_and(|time| elapsed + pass > time)
+    let spent = matches!(plan.until, Budget::Photons(photons) if outcome.paths >= photons);
+    spent || plan.time().is_some_and(|time| elapsed + pass > time)
 }
 
 /// Times the passes. The first one also compiles kernels, some backends read the film to choose radii, and forecasts and previews

@@ -1,6 +1,6 @@
 //! Other settings for the same scene and picture.
 
-use super::{Pipeline, aimed};
+use super::{Pipeline, aimed, irradiance};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::requirements::Requirements;
@@ -21,6 +21,7 @@ impl<B: TransportBackend> Pipeline<B> {
     pub fn with_settings(mut self, scene: &SceneView<'_>, settings: Settings) -> Result<Self> {
         self.check_same(scene)?;
         let required = Requirements::of(scene, &settings);
+        let settings = irradiance::with_points(scene, settings);
         let (view, before, setup, known) = (self.view, self.required, self.setup, self.aiming.take());
         let (mut on, prepared) = self.without_stages();
         let prepared = Some(prepared).filter(|_| before.prepares_like(&required));

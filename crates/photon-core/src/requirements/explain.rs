@@ -1,5 +1,6 @@
 //! Explains the [`crate::Requirements`] of a scene: what is needed, what is left out, and why.
 
+use crate::pipeline::irradiance::with_points;
 use crate::projection::{NoProjection, ProjectionMap};
 use crate::radius::radii;
 use crate::requirements::features::Features;
@@ -221,10 +222,11 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             Indirect::None => "indirect light is left out",
         },
     );
+    let every = with_points(scene, settings.clone()).irradiance_every;
     say(
         "irradiance at photons",
-        gather && settings.irradiance_every.is_some(),
-        match (gather, settings.irradiance_every) {
+        gather && every.is_some(),
+        match (gather, every) {
             (true, Some(_)) => "final-gather rays use the nearest",
             (true, None) => "final-gather rays estimate from the maps",
             (false, _) => "no final-gather rays",

@@ -15,7 +15,7 @@ pub enum Budget {
     Passes(u32),
     /// As many passes as are needed to emit this many paths, ≥ 1.
     Photons(u64),
-    /// The number of passes that ends nearest to this duration; the first pass always runs.
+    /// As many passes as end within this duration; the first pass always runs.
     Time(Duration),
     /// As many passes as are needed until the estimated error ([`crate::ConfidenceInterval`]) is small
     /// enough. [`crate::Settings::errors`] must be set.

@@ -4,6 +4,7 @@ pub(crate) mod budget;
 pub(crate) mod kernel;
 pub(crate) mod option_names;
 pub(crate) mod preset;
+pub(crate) mod rule;
 #[cfg(feature = "serde")]
 mod serialized;
 
@@ -109,8 +110,9 @@ pub enum Area {
     #[default]
     Disc,
     /// The part of the disc that lies on the surface, estimated with a few dozen rays per query:
-    /// [`crate::area`]. Estimates at the hits of final-gather rays are corrected only with
-    /// [`Settings::irradiance_every`].
+    /// [`crate::area`]. Final-gather rays find irradiance at every fourth photon, divided by the area there, or at as many
+    /// as [`Settings::irradiance_every`] says; in scenes with vertex normals, and with error estimates, each ray has probes of
+    /// its own, and a pass takes several times as long.
     Surface,
 }
 

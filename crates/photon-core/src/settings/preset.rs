@@ -21,7 +21,7 @@ impl Preset {
     pub fn passes(self) -> u32 {
         match self {
             Self::Preview => 4,
-            Self::Balanced => 64,
+            Self::Balanced => 32,
             Self::Final => 256,
         }
     }
@@ -32,7 +32,8 @@ impl Preset {
     pub fn photons_per_pixel(self) -> f64 {
         match self {
             Self::Preview => 0.25,
-            Self::Balanced | Self::Final => 2.0,
+            Self::Balanced => 0.5,
+            Self::Final => 2.0,
         }
     }
 }

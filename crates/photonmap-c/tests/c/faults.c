@@ -184,6 +184,12 @@ static void renderers(const PmScene *scene)
     device.size = 3;
     BAD(pm_renderer_new(scene, &view, few, &device, &renderer), "sizeof(PmDevice)");
 
+    BAD(pm_renderer_for_time(scene, &view, 0, few, NULL, &renderer), "seconds is 0");
+    BAD(pm_renderer_for_time(scene, &view, INFINITY, few, NULL, &renderer), "seconds is inf");
+    OK(pm_renderer_for_time(scene, &view, 9, few, NULL, &renderer));
+    OK(pm_renderer_passes(renderer, 0, 1, NULL, NULL, NULL));
+    pm_renderer_free(renderer), renderer = NULL;
+
     OK(pm_renderer_new(scene, &view, few, NULL, &renderer));
     BAD(pm_renderer_passes(NULL, 0, 1, NULL, NULL, NULL), "renderer is NULL");
     BAD(pm_renderer_passes(renderer, UINT32_MAX, 1, NULL, NULL, &done), "passes");

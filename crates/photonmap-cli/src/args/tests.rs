@@ -1,7 +1,7 @@
 //! Command lines and the settings that they give.
 
 use super::*;
-use photon_core::{Area, CausticPhotons, Kernel, RandomKind, Scheduling};
+use photon_core::{Area, CausticPhotons, Fixed, Kernel, RandomKind, Scheduling};
 
 fn args(arguments: &[&str]) -> Result<RenderArgs, Fault> {
     RenderArgs::try_parse_from([&["render"], arguments].concat()).map_err(Fault::input)
@@ -54,7 +54,7 @@ fn a_preset_is_overruled_by_what_is_given() {
 #[test]
 fn limits_and_targets_become_a_plan() {
     let plan = |arguments: &[&str], time| args(arguments).unwrap().settings.plan(time);
-    assert_eq!(plan(&[], None).until, Budget::Passes(PASSES));
+    assert_eq!(plan(&[], None).until, Budget::Passes(PRESET.passes()));
     let second = Some(Duration::from_secs(1));
     let timed = plan(&["--passes", "7"], second);
     assert_eq!((timed.until, timed.passes()), (Budget::Time(Duration::from_secs(1)), 7));
@@ -85,37 +85,60 @@ fn times_have_units() {
     assert!(args(&["--checkpoint", "1h"]).unwrap_err().to_string().contains("--film"));
 }
 
+/// Without any option, areas are those on the surface, and settings are fixed.
 #[test]
-fn a_time_is_spent_as_was_measured_to_be_best() {
-    let of = |arguments: &[&str]| {
-        let s = settings(&[&["--time", "5"], arguments].concat()).unwrap();
-        (s.area, s.bandwidth)
-    };
-    // Trials choose the bandwidth, unless errors are estimated anyway.
-    assert_eq!(of(&[]), (Area::Surface, Bandwidth::Shared));
-    assert_eq!(of(&["--errors"]), (Area::Surface, Bandwidth::PerPixel));
-    assert_eq!(of(&["--errors", "--indirect", "gather"]), (Area::Surface, Bandwidth::Shared));
-    assert_eq!(of(&["--errors", "--area", "disc"]), (Area::Disc, Bandwidth::PerPixel));
-    assert_eq!(of(&["--errors", "--bandwidth", "shared"]), (Area::Surface, Bandwidth::Shared));
-    for given in [
-        ["--target-error", "0.1"],
-        ["--total-photons", "1M"],
-        ["--preset", "preview"],
-        ["--passes", "7"],
-        ["--radius", "0.1"],
-    ] {
-        assert_eq!(of(&given), (Area::Disc, Bandwidth::Shared), "{given:?}");
-    }
+fn the_default_is_a_preset() {
+    let size = ["--size", "512x256"];
+    assert_eq!(settings(&size).unwrap(), Settings::preset(PRESET, 512 * 256));
+    assert_eq!(settings(&size).unwrap().area, Area::Surface);
+    assert_eq!(settings(&["--estimator", "paper"]).unwrap(), Settings { area: Area::Disc, ..Settings::paper() });
+    // Radii of presets are adapted to a time.
     let errors = |arguments: &[&str]| settings(&[&["--time", "5"], arguments].concat()).unwrap().errors;
     assert!(!errors(&[]) && errors(&["--errors"]) && errors(&["--bandwidth", "per-pixel"]));
-    // Radii of presets are adapted to the time.
     assert!(errors(&["--preset", "preview"]) && !errors(&["--preset", "preview", "--passes", "7"]));
-    // Two paths per pixel of a small picture; never more than without a time.
-    for (size, photons) in [("128x128", 32_768), ("1024x1024", 200_000)] {
-        assert_eq!(settings(&["--time", "5", "--size", size]).unwrap().photons, photons);
-        assert_eq!(settings(&["--time", "5", "--size", size, "--photons", "7"]).unwrap().photons, 7);
-        assert_eq!(settings(&["--size", size]).unwrap().photons, 200_000);
+}
+
+#[test]
+fn options_leave_the_others_to_the_rule() {
+    let open = |arguments: &[&str]| args(arguments).unwrap().settings.open();
+    let none = Fixed::default();
+    let target = Fixed { bandwidth: true, indirect: true, ..none };
+    for (arguments, expected) in [
+        (&["--time", "5"][..], Some((Some(5.0), none))),
+        (&["--time", "5", "--errors"], Some((Some(5.0), none))),
+        (&["--time", "5", "--photons", "9k"], Some((Some(5.0), Fixed { photons: true, ..none }))),
+        (&["--time", "5", "--area", "disc"], Some((Some(5.0), Fixed { area: true, ..none }))),
+        (&["--time", "5", "--bandwidth", "shared"], Some((Some(5.0), Fixed { bandwidth: true, ..none }))),
+        (&["--time", "5", "--indirect", "map"], Some((Some(5.0), Fixed { indirect: true, ..none }))),
+        (&["--time", "5", "--shadow-rays", "2"], Some((Some(5.0), Fixed { shadow_rays: true, ..none }))),
+        (&["--preset", "balanced"], Some((None, Fixed { photons: true, ..none }))),
+        (&["--preset", "final"], Some((None, Fixed { photons: true, bandwidth: true, ..none }))),
+        (&["--target-error", "0.1"], Some((None, target))),
+        (&["--target-error", "0.1", "--time", "5"], Some((Some(5.0), target))),
+        (&[], None),
+        (&["--preset", "preview"], None),
+        (&["--preset", "final", "--time", "5"], None),
+    ] {
+        assert_eq!(open(arguments), expected, "{arguments:?}");
+        for fixed in [["--passes", "7"], ["--total-photons", "1M"]] {
+            assert_eq!(open(&[arguments, &fixed].concat()), None, "{arguments:?} {fixed:?}");
+        }
     }
+}
+
+/// In place of a time, the options that were decided give the same settings.
+#[test]
+fn decided_settings_become_options() {
+    let given = ["--size", "64x64", "--shadow-rays", "3"];
+    let timed = args(&[&given[..], &["--time", "5"]].concat()).unwrap().settings;
+    let first = photon_core::FirstPass::default();
+    let (seconds, fixed) = timed.open().unwrap();
+    let within = photon_core::Circumstances { seconds, pixels: 64 * 64, is_gpu: true, fixed };
+    let decided = timed.settings().unwrap().for_time(&within, &first);
+    let options = timed.decided_options(&decided);
+    assert!(!options.contains("shadow-rays"), "{options}");
+    let again = settings(&[&given[..], &options.split(' ').collect::<Vec<_>>()].concat()).unwrap();
+    assert_eq!(again, decided, "{options}");
 }
 
 /// A first look has a limit on time, unless passes or another end are given, and never more passes than its own.

@@ -1,22 +1,37 @@
 //! `photonmap explain`
 
 use std::fmt::Write as _;
+use std::time::Instant;
 
 use crate::args::ExplainArgs;
+use crate::command::{decided, render};
 use crate::fault::Fault;
 use crate::{load, memory, stdout};
 
-/// Prints what the scene requires with these settings, what is left out, and how photons are distributed over lights.
+/// Prints what the scene requires with these settings, what is left out, how photons are distributed over lights, and which
+/// settings are decided if `may_decide` and the options leave any open.
 ///
 /// # Errors
-/// As [`load::scene_within`], and invalid settings.
-pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
-    let settings = args.settings.settings()?;
+/// As [`load::scene_within`], and invalid settings; if something is decided also those of a pass.
+pub fn run(args: &ExplainArgs, may_decide: bool) -> Result<(), Fault> {
+    let begun = Instant::now();
+    let mut settings = args.settings.settings()?;
     let size = args.settings.picture.size;
     let limit = args.machine.memory.map(|cap| move || memory::for_loading(cap, size));
     let (scene, _) = load::scene_within(&args.scene, limit.as_ref().map(|limit| limit as &dyn Fn() -> u64))?;
     // A camera that does not exist is an error here too.
-    args.settings.picture.view(&scene)?;
+    let view = args.settings.picture.view(&scene)?;
+    let mut decided = None;
+    if may_decide && args.settings.open().is_some() {
+        let (opened, _) = render::open(&args.machine)?;
+        let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, size));
+        let open = (&args.settings, begun, true);
+        let made = decided::open(opened.report(), open, (&scene, view), (&settings, memory));
+        decided = made.map_err(|fault| fault.within(args.machine.memory, memory::besides(size)))?.1;
+    }
+    if let Some(decided) = &decided {
+        settings = decided.settings().clone();
+    }
     let mut text = format!("{}: {} triangles\n", args.scene.scene, scene.view().triangles.len());
     if let Some(environment) = scene.environment_text() {
         let _ = writeln!(text, "environment: {environment}");
@@ -42,6 +57,9 @@ pub fn run(args: &ExplainArgs) -> Result<(), Fault> {
         let few = if share.starves(settings.photons) { ", too few to show what it does" } else { "" };
         let (paths, power) = (share.paths(settings.photons), 100.0 * share.power);
         let _ = writeln!(text, "  {:<24} {paths:.0} paths for {power:.3} % of the power{few}", share.what);
+    }
+    if let Some(decided) = &decided {
+        let _ = writeln!(text, "\n{}", decided.lines());
     }
     stdout::write(text.as_bytes())
 }

@@ -1,6 +1,7 @@
 //! The commands of `photonmap`.
 
 pub mod compare;
+pub mod decided;
 pub mod devices;
 pub mod explain;
 pub mod export;
@@ -124,13 +125,13 @@ fn run(command: &Command) -> Result<(), Fault> {
         Command::Render(args) if args.devices => devices::run(),
         Command::Render(args) if args.explain => {
             let (scene, settings, machine) = (args.scene.clone(), args.settings.clone(), args.machine.clone());
-            explain::run(&ExplainArgs { scene, settings, machine })
+            explain::run(&ExplainArgs { scene, settings, machine }, !render_blocks::in_blocks(args))
         }
         Command::Render(args) => render::run(args),
         Command::Map(args) => map::run(args),
         Command::Scenes => scenes::run(),
         Command::Devices => devices::run(),
-        Command::Explain(args) => explain::run(args),
+        Command::Explain(args) => explain::run(args, !args.machine.several()),
         Command::Compare(args) => compare::run(args),
         Command::Export(args) => export::run(args),
         Command::Merge(args) => merge::run(args),

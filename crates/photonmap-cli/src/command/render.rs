@@ -7,7 +7,8 @@ use photon_core::{LightShare, Outcome, Pipeline, Render, Settings, TransportBack
 use photon_scene::{CompressedTree, LoadReport, Scene};
 
 use crate::args::{MachineArgs, RenderArgs};
-use crate::backend::{self, Chosen, Opened};
+use crate::backend::{self, Opened};
+use crate::command::decided::{self, Decided};
 use crate::command::picture::{self, Look, Shown};
 use crate::command::{render_blocks, render_film, render_passes};
 use crate::denoise::Denoiser;
@@ -24,7 +25,7 @@ use crate::{atomic_write, load, memory, signals, summary};
 /// [`Fault::Failure`] if rendering or writing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     args.files.check()?;
-    let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
+    let mut settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     let outputs = outputs(args)?;
     render_blocks::check(args, &settings)?;
     render_film::check(args)?;
@@ -36,7 +37,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
     let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
     let view = args.settings.picture.view(&scene)?;
-    let (mut renderers, seconds_device) = start(args, opened, &scene, view, &settings)?;
+    let (mut renderers, seconds_device, decided) = start((args, begun), opened, &scene, view, &settings)?;
+    if let Some(decided) = &decided {
+        say!("{}", decided.lines());
+        settings = Settings { memory: settings.memory, ..decided.settings().clone() };
+    }
     let ready = Instant::now();
     let mut warnings = scene.warnings().to_vec();
     let starving = starving(&scene, &*renderers[0]);
@@ -87,6 +92,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         seconds_load,
         seconds_start: (ready - begun).as_secs_f64() - seconds_load,
         seconds_device,
+        decided: decided.as_ref(),
         seconds_passes,
         seconds_total,
     };
@@ -217,14 +223,15 @@ fn starving(scene: &Scene, renderer: &dyn Render) -> Vec<String> {
     few.map(warning).collect()
 }
 
-/// A renderer for each device, at least one, and the seconds of opening it; 0 for several.
+/// A renderer for each device, at least one; the seconds of opening it, 0 for several; and settings that were decided.
+#[expect(clippy::type_complexity, reason = "three results, of which only the caller makes use")]
 fn start(
-    args: &RenderArgs,
+    (args, begun): (&RenderArgs, Instant),
     opened: Option<(Opened, f64)>,
     scene: &Scene,
     view: View,
     settings: &Settings,
-) -> Result<(Vec<Box<dyn Render>>, f64), Fault> {
+) -> Result<(Vec<Box<dyn Render>>, f64, Option<Decided>), Fault> {
     if args.machine.several() {
         let devices = backend::open_devices(&args.machine.device)?;
         // The devices of one host compile their kernels at the same time.
@@ -235,23 +242,18 @@ fn start(
                 .into_iter()
                 .map(|renderer| renderer.join().map_err(|_| Fault::failure("a device failed"))?)
                 .collect::<Result<_, _>>()?;
-            Ok((renderers, 0.0))
+            Ok((renderers, 0.0, None))
         });
     }
     let (opened, device) = opened.map_or_else(|| open(&args.machine), Ok)?;
     let on = opened.report();
     // Measured now, since a Vulkan driver allocates memory of its own when it is opened.
     let memory = args.machine.memory.map(|cap| memory::for_the_library(cap, args.settings.picture.size));
-    let within = |memory| Settings { memory, ..settings.clone() };
-    let renderer = match on {
-        // It counts the texels, which it shares with the scene: they are resident already.
-        Chosen::Cpu(on) => {
-            pipeline(on, scene, view, &within(memory.map(|bytes| bytes.saturating_add(memory::texels(scene)))))
-        }
-        Chosen::Vulkan(on) => pipeline(*on, scene, view, &within(memory)),
-    };
+    let open = (&args.settings, begun, !render_blocks::in_blocks(args));
+    let made = decided::open(on, open, (scene, view), (settings, memory));
     let besides = memory::besides(args.settings.picture.size);
-    Ok((vec![renderer.map_err(|fault| fault.within(args.machine.memory, besides))?], device))
+    let (renderer, decided) = made.map_err(|fault| fault.within(args.machine.memory, besides))?;
+    Ok((vec![renderer], device, decided))
 }
 
 fn pipeline<B: TransportBackend>(
@@ -289,6 +291,7 @@ fn save(
         ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
         ("photon:command", picture::command(std::env::args())),
     ];
+    attributes.extend(details.decided.map(|decided| ("photon:decided", decided.with_passes(passes))));
     let environment = details.environment.map(picture::without_folder);
     attributes.extend(environment.map(|text| ("photon:environment", text.to_owned())));
     let attributes: Vec<(String, String)> =

@@ -57,6 +57,12 @@ fn explain_tells_what_is_left_out() {
         assert!(left_out.contains("mirror") && left_out.contains("map of caustic photons"), "{text}");
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
     }
+    // With a time it also tells what is decided, and why.
+    let timed = stdout(&run("explain", &["cornell", "--time", "9", "--size", "40x30", "--backend", "cpu"]));
+    let lines: Vec<&str> = timed.lines().skip_while(|line| !line.starts_with("settings: ")).collect();
+    assert!(lines.len() == 3 && lines[1].starts_with("because 0 % of the pixels show caustics"), "{timed}");
+    assert!(lines[2].starts_with("as options: --photons 4800 --area surface"), "{timed}");
+    assert!(timed.contains("of 4800 paths a pass") && !stdout(&run("explain", &["cornell"])).contains("because "));
     // Glossy surfaces have a hint how to do without them.
     let gloss = stdout(&run("explain", &["gloss"]));
     let line = gloss.lines().find(|line| line.trim_start().starts_with("glossy ")).unwrap();

@@ -263,3 +263,28 @@ fn transparent_pictures_have_the_alpha_of_their_format() {
         assert_eq!(opacity, (alpha[pixel] * 255.0 + 0.5) as u8);
     }
 }
+
+/// What was decided is reported as options, which make the same picture bit by bit.
+#[test]
+fn decided_settings_can_be_given() {
+    let folder = folder("decided");
+    let picture = |scene: &str, name: &str, options: &[&str]| {
+        let (exr, json) = (folder.join(format!("{name}.exr")), folder.join(format!("{name}.json")));
+        let files = ["-o", exr.to_str().unwrap(), "--json", json.to_str().unwrap()];
+        let always = [scene, "--size", "40x30", "--backend", "cpu", "--seed", "7"];
+        let output = render(&[&always[..], &files, options].concat());
+        succeeded(&output);
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        (channels(&exr), report, stderr(&output))
+    };
+    // Radii per pixel and more shadow rays; a preset, with what is given.
+    for (scene, asked) in [("ring", &["--time", "1"][..]), ("cornell", &["--preset", "balanced", "--area", "disc"])] {
+        let (found, report, said) = picture(scene, "decided", asked);
+        let options = report["decided"]["options"].as_str().unwrap();
+        assert!(said.contains(options.split_once(" --passes").unwrap().0), "{said}");
+        let (again, report, _) =
+            picture(scene, "given", &options.split(' ').chain(asked[2..].iter().copied()).collect::<Vec<_>>());
+        assert!(found == again, "{options}");
+        assert!(report["decided"].is_null());
+    }
+}

@@ -56,9 +56,9 @@ impl Render for Idle {
     }
 }
 
-/// A time that is asked for is met as nearly as whole passes allow; a maximum is not exceeded.
+/// No pass begins that is expected to end too late.
 #[test]
-fn times_are_met_and_maxima_kept() {
+fn times_are_kept() {
     let is_over_after = |seconds: u64, plan: Plan| {
         let mut clock = Clock::new();
         clock.begun = Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
@@ -68,8 +68,8 @@ fn times_are_met_and_maxima_kept() {
     let second = Duration::from_secs;
     let asked = Plan::from(Budget::Time(second(100)));
     let most = Plan { most_time: Some(second(100)), ..Plan::from(Budget::Passes(9)) };
-    assert_eq!([80, 93, 97].map(|seconds| is_over_after(seconds, asked)), [false, false, true]);
-    assert_eq!([80, 93, 97].map(|seconds| is_over_after(seconds, most)), [false, true, true]);
+    assert_eq!([80, 89, 91].map(|seconds| is_over_after(seconds, asked)), [false, false, true]);
+    assert_eq!([80, 89, 91].map(|seconds| is_over_after(seconds, most)), [false, false, true]);
 }
 
 #[test]

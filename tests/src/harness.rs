@@ -127,7 +127,8 @@ pub fn trace<T: TestBackend>(
     batches: &[u32],
 ) -> (PerMap<Vec<Photon>>, Tally) {
     let total: u32 = batches.iter().sum();
-    let capacity = u64::from(total) * u64::from(settings.max_bounces.min(256)) + 1;
+    // As many as a path stores in a sealed scene, and no more than a buffer of Vulkan holds.
+    let capacity = (u64::from(total) * u64::from(settings.max_bounces.min(256)) + 1).min(1 << 25);
     let mut tracing = Tracing::new(T::make(threads), scene, settings, capacity);
     let mut rays = tracing.on.alloc::<PhotonRay>("rays", u64::from(total)).unwrap();
     let mut first = 0;

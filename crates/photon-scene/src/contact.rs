@@ -142,7 +142,8 @@ impl Source<'_> {
         let [first, second] = [a, b].map(|mesh| self.meshes[mesh as usize].material);
         let is_solid = [a, b].map(|mesh| self.material(mesh as usize).is_solid());
         let is_sheet = is_solid == [false; 2];
-        !is_sheet || a != b && (first != second || self.is_shaded)
+        let is_alike = || first == second || self.material(a as usize).is_alike(self.material(b as usize));
+        !is_sheet || a != b && (self.is_shaded || !is_alike())
     }
 
     /// The faces that both sides of which are of one medium: fully covered by others of them that face them.

@@ -289,6 +289,11 @@ impl MaterialDesc {
         is_solid(&self.surface) || self.transmitting_surface().as_ref().is_some_and(is_solid)
     }
 
+    /// Whether the materials differ in their names at most.
+    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+        self.surface == other.surface && *self == Self { name: self.name.clone(), ..other.clone() }
+    }
+
     /// Whether the material emits any light.
     #[must_use]
     pub fn is_emissive(&self) -> bool {

@@ -127,8 +127,13 @@ fn tile(scene: &mut SceneBuilder, name: &str, corners: [[f64; 3]; 4], colours: [
     let parity = |cell: usize| (cell as u32 % columns + cell as u32 / columns) % 2;
     for (colour, material) in (0..).zip(colours) {
         let cells = triangles.chunks(2).enumerate().filter(|(cell, _)| parity(*cell) == colour);
-        let chosen = cells.flat_map(|(_, pair)| pair).copied().collect();
-        scene.mesh(name, positions.clone(), chosen, material);
+        let chosen: Vec<[u32; 3]> = cells.flat_map(|(_, pair)| pair).copied().collect();
+        let mut used = chosen.as_flattened().to_vec();
+        used.sort_unstable();
+        used.dedup();
+        let place = |vertex| used.partition_point(|&other| other < vertex) as u32;
+        let corners = chosen.iter().map(|triangle| triangle.map(place)).collect();
+        scene.mesh(name, used.iter().map(|&vertex| positions[vertex as usize]).collect(), corners, material);
     }
 }
 

@@ -116,5 +116,5 @@ fn check(path: &Path, header: &Header, length: u64, budget: &Budget) -> Result<(
         return Err(SceneError::TooMany { what: "corners of faces", count: corners as usize });
     }
     let bytes = known.saturating_add(corners * corner).saturating_add(scratch(corners));
-    budget.take(bytes, || "its vertices and faces".to_owned()).map_err(|why| why.in_file(path))
+    budget.take(bytes, || "reading its vertices and faces".to_owned()).map_err(|why| why.in_file(path))
 }

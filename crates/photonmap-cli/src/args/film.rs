@@ -15,7 +15,7 @@ pub struct FilmArgs {
     ///
     /// The result is the same as without interruption, bit by bit. It ends as --passes, --total-photons or
     /// --target-error say; radii that were derived are those in the file.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub film: Option<PathBuf>,
     /// How often the film file is written: a time such as 30s, 5min or 1h; 0s: after every block.
     #[arg(long, value_name = "TIME", default_value = "5min", value_parser = duration, requires = "film", hide_short_help = true)]

@@ -142,7 +142,7 @@ pub struct BudgetArgs {
 #[command(next_help_heading = "Photons")]
 pub struct PhotonArgs {
     /// Photon paths emitted per pass; the suffixes `k` and `M` are accepted [default: 200k, or that of --preset, --time or --target-error].
-    #[arg(long, value_name = "N", value_parser = count)]
+    #[arg(long, value_name = "N", value_parser = count, hide_short_help = true)]
     pub photons: Option<u32>,
     /// Paths per pass aimed at mirrors and glass by a projection map, for caustics: a number, `auto`, or `shared` for
     /// no paths besides --photons [default: auto, with --estimator paper shared].

@@ -161,7 +161,7 @@ fn a_starter_file_changes_nothing_until_it_is_edited() {
 
     // It is never overwritten, and nothing is rendered.
     let picture = folder.join("b.png");
-    let edited = text.replace("# albedo = 0.6", "albedo = 0.3 #");
+    let edited = text.replacen("# albedo = 0.6", "albedo = 0.3 #", 1);
     assert_ne!(edited, text);
     std::fs::write(&toml, &edited).unwrap();
     let output = render(&[&path, "--overrides", "auto", "-o", picture.to_str().unwrap()]);

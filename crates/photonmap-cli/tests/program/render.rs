@@ -95,7 +95,6 @@ fn bad_input_is_named_with_code_2_within_seconds() {
         (&[&cut], "cut.glb"),
         (&[&range], "range.obj"),
         (&[&nan], "nan.obj"),
-        (&[&dark], "light"),
         (&[&kind], "scene.xyz"),
         (&["no-such-scene"], "no-such-scene"),
         (&["--overrides", &typo], "materialz"),

@@ -39,6 +39,7 @@ impl Renderer {
     /// for the CPU, and its number of threads, 0 for all cores. `open`: seconds and the names of fixed settings, if the others are
     /// decided by [`Pipeline::for_time`], on one device.
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "called by Python alone, by position")]
     fn new(
         py: Python<'_>,
         scene: &RawScene,

@@ -51,7 +51,7 @@ def test_blocks_backwards_have_other_bits(expected):
     """The comparison of bits notices another order."""
     from photonmap._job import Job
 
-    settings = pm.Settings(photons=JOB["photons"]).to_json()
+    settings = pm.Settings(preset="balanced", size=JOB["size"], photons=JOB["photons"]).to_json()
     renderer = Job(pm.Scene.builtin(JOB["scene"]), settings, JOB["size"], None, (), 0).renderer()
     blocks = [renderer.block(first, 2, None, None) for first in range(0, 8, 2)]
 
@@ -108,8 +108,9 @@ def _error(job, passes):
     """The smallest target that so many passes reach, by bisection."""
     job = {name: value for name, value in job.items() if name != "share"}
     film = pm.render(**job, passes=passes, errors=True)._raw
-    settings = pm.Settings(photons=job["photons"], errors=True).to_json()
-    low, high = 1e-3, 10.0
+    settings = pm.Settings(preset="balanced", size=job["size"], photons=job["photons"], errors=True).to_json()
+    # Targets are below 1.
+    low, high = 1e-3, 0.999
     while high > low * 1.001:
         middle = (low * high) ** 0.5
         low, high = (low, middle) if film.is_reached(settings, middle, 0.8, 2) else (middle, high)

@@ -141,7 +141,8 @@ pub struct BudgetArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Photons")]
 pub struct PhotonArgs {
-    /// Photon paths emitted per pass; the suffixes `k` and `M` are accepted [default: 200k, or that of --preset, --time or --target-error].
+    /// Photon paths emitted per pass; the suffixes `k` and `M` are accepted [default: half a path
+    /// per pixel, or that of --preset, --time or --target-error].
     #[arg(long, value_name = "N", value_parser = count, hide_short_help = true)]
     pub photons: Option<u32>,
     /// Paths per pass aimed at mirrors and glass by a projection map, for caustics: a number, `auto`, or `shared` for
@@ -193,7 +194,7 @@ pub struct EstimateArgs {
     #[arg(long, value_name = "NAME", value_parser = str::parse::<Kernel>, hide_short_help = true)]
     pub kernel: Option<Kernel>,
     /// Area that the flux is divided by: the disc around the point, or the part of it that lies on the surface, which
-    /// removes dark edges [default: disc, or that of --preset, --time or --target-error].
+    /// removes dark edges [default: surface; disc with --preset preview or --estimator paper].
     #[arg(long, value_parser = choice::<Area>(Area::ALL.map(Area::name)), hide_short_help = true)]
     pub area: Option<Area>,
     /// One radius for each photon map, or one for each pixel from its own noise and bias, which also estimates errors
@@ -234,7 +235,7 @@ pub struct LightArgs {
     /// Coarse meshes then have a blocky edge of the shadow on their own dark side, as light by photons has.
     #[arg(long, hide_short_help = true)]
     pub no_terminator_offset: bool,
-    /// Final-gather rays per visible point and pass [default: 8].
+    /// Final-gather rays per visible point and pass [default: 16].
     #[arg(long, value_name = "N", hide_short_help = true)]
     pub gather_rays: Option<u32>,
     /// Precompute irradiance at every N-th photon, for final-gather rays to look up.

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use photon_core::{
-    Backend, Element, Error, Fill, IndexKind, MapStages, Photon, PhotonFormat, Result, Stage, StageTimings,
+    Backend, Element, Error, Fill, IndexKind, MapStages, Photon, PhotonFormat, Result, Stage, StageTimings, memory,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -24,11 +24,8 @@ impl Backend for Cpu {
     }
 
     fn alloc<T: Element>(&mut self, label: &'static str, capacity: u64) -> Result<CpuBuffer<T>> {
-        let bytes = capacity.saturating_mul(size_of::<T>() as u64);
-        let mut data = Vec::new();
-        let count = usize::try_from(capacity).unwrap_or(usize::MAX);
-        data.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { label, bytes })?;
-        self.note_memory(label, bytes);
+        let data = memory::with_capacity(usize::try_from(capacity).unwrap_or(usize::MAX), label)?;
+        self.note_memory(label, capacity.saturating_mul(size_of::<T>() as u64));
         Ok(CpuBuffer { data, short: None, label, capacity, needed: 0 })
     }
 
@@ -38,17 +35,12 @@ impl Backend for Cpu {
         capacity: u64,
         photon_format: PhotonFormat,
     ) -> Result<CpuBuffer<Photon>> {
-        if photon_format == PhotonFormat::Full {
-            return self.alloc(label, capacity);
-        }
-        let bytes = capacity.saturating_mul(photon_format.bytes());
         let count = usize::try_from(capacity).unwrap_or(usize::MAX);
-        let short = Rows::with_capacity(photon_format, count);
-        if short.is_none() {
-            return Err(Error::OutOfMemory { label, bytes });
-        }
-        self.note_memory(label, bytes);
-        Ok(CpuBuffer { data: Vec::new(), short, label, capacity, needed: 0 })
+        let Some(rows) = Rows::with_capacity(photon_format, count, label)? else {
+            return self.alloc(label, capacity);
+        };
+        self.note_memory(label, capacity.saturating_mul(photon_format.bytes()));
+        Ok(CpuBuffer { data: Vec::new(), short: Some(rows), label, capacity, needed: 0 })
     }
 
     fn upload<T: Element>(&mut self, label: &'static str, data: &[T]) -> Result<CpuBuffer<T>> {
@@ -64,6 +56,7 @@ impl Backend for Cpu {
         }
         from.check_full()?;
         to.clear();
+        memory::reserve(to, from.data.len(), from.label)?;
         to.extend_from_slice(&from.data);
         Ok(())
     }

@@ -1,9 +1,10 @@
 //! The film: the image being accumulated.
 
 use photon_core::{
-    Display, DisplayImage, Error, ErrorMoments, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind,
-    Query, Result, SceneView,
+    Display, DisplayImage, ErrorMoments, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind, Query,
+    Result, SceneView, memory,
 };
+use photon_core::memory::OutOfMemory;
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -23,22 +24,24 @@ impl CpuFilm {
     pub(crate) fn for_queries<S: Send>(
         &mut self,
         queries: &[Query],
-        scratch: impl Fn() -> S + Sync,
+        scratch: impl Fn() -> Result<S, OutOfMemory> + Sync,
         work: impl Fn(&mut S, usize, &Query, &mut FilmPixel, Option<&mut ErrorPixel>) + Sync,
-    ) {
+    ) -> Result<()> {
         let width = self.film.width;
         let mut errors = self.pending_errors.chunks_mut(width as usize);
-        let rows: Vec<_> = self.pending.chunks_mut(width as usize).map(|pixels| (pixels, errors.next())).collect();
-        rows.into_par_iter().enumerate().for_each(|(row, (pixels, mut errors))| {
+        let rows = self.pending.chunks_mut(width as usize).map(|pixels| (pixels, errors.next()));
+        let rows = memory::collected(rows, "rows of the film")?;
+        rows.into_par_iter().enumerate().try_for_each(|(row, (pixels, mut errors))| {
             let first = row as u32 * width;
             let start = queries.partition_point(|query| query.pixel < first);
-            let mut scratch = scratch();
+            let mut scratch = scratch()?;
             for (index, query) in queries.iter().enumerate().skip(start) {
                 let column = (query.pixel - first) as usize;
                 let Some(pixel) = pixels.get_mut(column) else { break };
                 work(&mut scratch, index, query, pixel, errors.as_mut().and_then(|errors| errors.get_mut(column)));
             }
-        });
+            Ok(())
+        })
     }
 }
 
@@ -87,26 +90,19 @@ impl FilmBackend for Cpu {
         self.pool.install(|| {
             film.for_queries(
                 queries.as_slice(),
-                || (),
+                || Ok(()),
                 |(), index, query, pixel, _| {
                     if let Some(estimate) = estimates.get(index) {
                         deposit(pixel, layer, query.throughput, estimate.irradiance(paths));
                     }
                 },
-            );
-        });
-        Ok(())
+            )
+        })
     }
 
     fn keep_errors(&mut self, film: &mut CpuFilm) -> Result<()> {
         let count = film.film.pixels.len();
-        let bytes = (count * size_of::<ErrorPixel>()) as u64;
-        let zeros = || {
-            let mut zeros = Vec::new();
-            zeros.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { label: "film: errors", bytes })?;
-            zeros.resize(count, ErrorPixel::default());
-            Ok::<_, Error>(zeros)
-        };
+        let zeros = || memory::filled(count, ErrorPixel::default(), "film: errors");
         film.film.errors = Some(zeros()?);
         film.pending_errors = zeros()?;
         film.note(self);
@@ -126,7 +122,7 @@ impl FilmBackend for Cpu {
         self.pool.install(|| {
             film.for_queries(
                 queries,
-                || (),
+                || Ok(()),
                 |(), index, query, _, errors| {
                     if let (Some(errors), Some(estimate), Some(moments)) =
                         (errors, estimates.get(index), error_moments.get(index))
@@ -134,9 +130,8 @@ impl FilmBackend for Cpu {
                         errors.deposit(kind, query, estimate, moments, paths);
                     }
                 },
-            );
-        });
-        Ok(())
+            )
+        })
     }
 
     fn end_pass(&mut self, film: &mut CpuFilm) -> Result<()> {
@@ -174,7 +169,7 @@ impl FilmBackend for Cpu {
     }
 
     fn read_film(&mut self, film: &CpuFilm) -> Result<Film> {
-        Ok(film.film.clone())
+        film.film.try_clone()
     }
 
     fn read_display(&mut self, film: &mut CpuFilm, display: &Display, clamp: bool) -> Result<DisplayImage> {

@@ -8,8 +8,9 @@ use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, LightGroups, Material, MediaFeatures, Medium,
     MediumStack, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded,
     SkipLimit, Solids, SurfaceInteraction, alpha, interface, math, offset, radiance_scale, roughest_caustic,
-    shadow_terminator,
+    memory, shadow_terminator,
 };
+use photon_scene::AccelError;
 use rayon::prelude::*;
 
 use crate::caster::Checked;
@@ -81,23 +82,29 @@ impl CpuScene {
             Some(make) => Box::new(Checked::new(make(view)?, view.triangles.len())),
             None => photon_scene::Accel::build_by(view.positions, view.triangles, on.threads())
                 .map(|accel| Box::new(accel) as Box<dyn RayCaster>)
-                .map_err(|source| Error::Backend { backend: "cpu: building the BVH", source: Box::new(source) })?,
+                .map_err(|error| match error {
+                    AccelError::OutOfMemory(refused) => refused.into(),
+                    other => Error::Backend { backend: "cpu: building the BVH", source: Box::new(other) },
+                })?,
         };
         let build_seconds = start.elapsed().as_secs_f64();
         let by_tree = present.contains(Features::LIGHT_TREE) && required.samples_lights(present);
         let vertex = |index: u32| Vec3::from(view.positions[index as usize]);
-        let (vertices, margins): (Vec<[Vec3; 3]>, Vec<f32>) = on.pool.install(|| {
+        let mut vertices = memory::with_capacity(view.triangles.len(), "triangles")?;
+        let mut margins = memory::with_capacity(view.triangles.len(), "triangles")?;
+        on.pool.install(|| {
             let corners = view.triangles.par_iter().map(|triangle| triangle.map(vertex));
-            corners.map(|corners| (corners, offset::margin(corners))).unzip()
+            let both = corners.map(|corners| (corners, offset::margin(corners)));
+            both.unzip_into_vecs(&mut vertices, &mut margins);
         });
         Ok(Self {
             margins,
             vertices,
             largest_inradius: OnceLock::new(),
-            primitives: view.primitives.to_vec(),
-            materials: view.materials.to_vec(),
-            lights: view.lights.to_vec(),
-            light_cdf: view.light_cdf.to_vec(),
+            primitives: memory::copied(view.primitives, "triangles")?,
+            materials: memory::copied(view.materials, "materials")?,
+            lights: memory::copied(view.lights, "lights")?,
+            light_cdf: memory::copied(view.light_cdf, "lights")?,
             light_groups: LightGroups::new(view),
             light_tree: by_tree.then(|| CpuLightTree::new(view)),
             environment: view.environment.cloned(),

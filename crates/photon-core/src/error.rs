@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::memory::OutOfMemory;
 use crate::requirements::features::Features;
 
 /// The result type of this crate.
@@ -146,6 +147,12 @@ pub enum Error {
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+impl From<OutOfMemory> for Error {
+    fn from(OutOfMemory { label, bytes }: OutOfMemory) -> Self {
+        Self::OutOfMemory { label, bytes }
+    }
 }
 
 fn each(rejected: &[(String, String)]) -> String {

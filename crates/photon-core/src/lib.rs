@@ -10,6 +10,7 @@
 mod backend;
 mod error;
 mod film;
+pub mod memory;
 pub mod parallel;
 mod pipeline;
 mod projection;

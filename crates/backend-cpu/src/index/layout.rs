@@ -3,6 +3,7 @@
 
 use crate::index::points::{Bounds, Item};
 use photon_core::kd_tree;
+use photon_core::memory::{self, OutOfMemory};
 use rayon::prelude::*;
 
 /// Points per block and children per node: one AVX-512 register of `f32`, or two of AVX2.
@@ -70,16 +71,24 @@ pub(crate) struct Tree {
     pub(crate) bounds: Bounds,
 }
 
+/// Label of its memory.
+pub(crate) const INDEX: &str = "photon index";
+
 /// Blocks per parallel task, and blocks whose points are fetched together.
 const TASK: usize = 512;
 const NEAR: usize = 8;
 
 /// Fills blocks with the points in their final order, and the nodes over them. `item` returns the point in a given
 /// slot with a given id; of `nodes`, only `child` is filled in.
-pub(crate) fn lay_out(order: Vec<u32>, item: impl Fn(usize, u32) -> Item + Sync, mut nodes: Vec<Node>) -> Tree {
+pub(crate) fn lay_out(
+    order: Vec<u32>,
+    item: impl Fn(usize, u32) -> Item + Sync,
+    mut nodes: Vec<Node>,
+) -> Result<Tree, OutOfMemory> {
     let count = order.len().div_ceil(WIDTH);
     // In parallel, since the system allocates pages when they are first written.
-    let (mut blocks, mut below) = (Vec::new(), Vec::new());
+    let mut blocks = memory::with_capacity(count, INDEX)?;
+    let mut below = memory::with_capacity(count, INDEX)?;
     (0..count)
         .into_par_iter()
         .with_min_len(TASK)
@@ -104,7 +113,7 @@ pub(crate) fn lay_out(order: Vec<u32>, item: impl Fn(usize, u32) -> Item + Sync,
                 }
             }
         });
-    let mut node_bounds = vec![(Bounds::NONE, Extra::NONE); nodes.len()];
+    let mut node_bounds = memory::filled(nodes.len(), (Bounds::NONE, Extra::NONE), INDEX)?;
     // Children come after their parents, so going backwards finishes each child before its parent reads it.
     for number in (0..nodes.len()).rev() {
         let node = &mut nodes[number];
@@ -127,14 +136,9 @@ pub(crate) fn lay_out(order: Vec<u32>, item: impl Fn(usize, u32) -> Item + Sync,
         node_bounds[number] = (all, extra);
     }
     let bounds = node_bounds.first().map_or(Bounds::NONE, |root| root.0);
-    Tree {
-        blocks,
-        nodes,
-        block_extra: below.into_iter().map(|(_, extra)| extra).collect(),
-        node_extra: node_bounds.into_iter().map(|(_, extra)| extra).collect(),
-        order,
-        bounds,
-    }
+    let block_extra = memory::collected(below.iter().map(|(_, extra)| *extra), INDEX)?;
+    let node_extra = memory::collected(node_bounds.iter().map(|(_, extra)| *extra), INDEX)?;
+    Ok(Tree { blocks, nodes, block_extra, node_extra, order, bounds })
 }
 
 fn fill(block: &mut Block, items: &[Item]) -> (Bounds, Extra) {
@@ -148,18 +152,18 @@ fn fill(block: &mut Block, items: &[Item]) -> (Bounds, Extra) {
 
 /// Nodes over `blocks` consecutive blocks, sixteen per node, level by level: the topology of the median tree and of
 /// the Morton order.
-pub(crate) fn regular_nodes(blocks: usize) -> Vec<Node> {
+pub(crate) fn regular_nodes(blocks: usize) -> Result<Vec<Node>, OutOfMemory> {
     // Number of nodes per level, from just above the blocks up to the root.
     let mut levels = Vec::new();
     let mut count = blocks;
     while count > 1 || levels.is_empty() {
         if blocks == 0 {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         count = count.div_ceil(WIDTH);
         levels.push(count);
     }
-    let mut nodes = Vec::with_capacity(levels.iter().sum());
+    let mut nodes = memory::with_capacity(levels.iter().sum(), INDEX)?;
     let mut first = 0;
     for level in (0..levels.len()).rev() {
         let below = if level == 0 { blocks } else { levels[level - 1] };
@@ -174,5 +178,5 @@ pub(crate) fn regular_nodes(blocks: usize) -> Vec<Node> {
         }
         first += levels[level];
     }
-    nodes
+    Ok(nodes)
 }

@@ -16,6 +16,8 @@
 //! multiples of one size: a breadth-first builder only has to track the level. Four levels of splits make one node
 //! with sixteen children.
 
+use photon_core::memory::OutOfMemory;
+
 use crate::index::dispatch::Isa;
 use crate::index::layout::WIDTH;
 use crate::index::points::{Bounds, Item};
@@ -26,17 +28,18 @@ const TASK: usize = 1 << 13;
 
 /// Brings `items`, which are in ascending order of their ids, into the canonical order. `other` is scratch memory
 /// of the same length.
-pub(crate) fn arrange(items: &mut [Item], other: &mut [Item], isa: Isa) {
-    segment(items, other, true, &mut Scratch::new(isa));
+pub(crate) fn arrange(items: &mut [Item], other: &mut [Item], isa: Isa) -> Result<(), OutOfMemory> {
+    let mut scratch = Scratch::new(isa, items.len())?;
+    segment(items, other, true, &mut scratch)
 }
 
 /// Arranges the points in `items`; the result is in `items` if `in_place`, otherwise in `other`.
-fn segment(items: &mut [Item], other: &mut [Item], in_place: bool, scratch: &mut Scratch) {
+fn segment(items: &mut [Item], other: &mut [Item], in_place: bool, scratch: &mut Scratch) -> Result<(), OutOfMemory> {
     if items.len() <= WIDTH {
         if !in_place {
             other.copy_from_slice(items);
         }
-        return;
+        return Ok(());
     }
     let left = left_size(items.len());
     let (axis, _) = Bounds::around(items).longest();
@@ -45,14 +48,15 @@ fn segment(items: &mut [Item], other: &mut [Item], in_place: bool, scratch: &mut
     let (other_low, other_high) = items.split_at_mut(left);
     // The recursion is at most 28 levels deep: 2³² points in blocks of 2⁴.
     if low.len() > TASK {
-        let mut another = scratch.other();
-        rayon::join(
+        let mut another = scratch.other(high.len())?;
+        let (low, high) = rayon::join(
             || segment(low, other_low, !in_place, scratch),
             || segment(high, other_high, !in_place, &mut another),
         );
+        low.and(high)
     } else {
-        segment(low, other_low, !in_place, scratch);
-        segment(high, other_high, !in_place, scratch);
+        segment(low, other_low, !in_place, scratch)?;
+        segment(high, other_high, !in_place, scratch)
     }
 }
 

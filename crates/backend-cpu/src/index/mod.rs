@@ -25,6 +25,7 @@ mod tests;
 
 pub use nearest::{Neighbour, Neighbours};
 pub use photon_core::IndexKind;
+use photon_core::memory::OutOfMemory;
 pub use workspace::Workspace;
 
 use dispatch::Isa;
@@ -52,6 +53,9 @@ pub enum IndexError {
         /// Number of points.
         count: usize,
     },
+    /// An allocation failed.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
 }
 
 /// A search index over points.
@@ -69,7 +73,7 @@ impl PointIndex {
     /// # Errors
     ///
     /// [`IndexError::NotFinite`] for the first point with a coordinate that is not finite,
-    /// [`IndexError::TooMany`] for more than `u32::MAX − 1` points.
+    /// [`IndexError::TooMany`] for more than `u32::MAX − 1` points, [`IndexError::OutOfMemory`].
     pub fn build(points: &[[f32; 3]], kind: IndexKind) -> Result<Self, IndexError> {
         Self::build_in(points, kind, &mut Workspace::default())
     }
@@ -97,21 +101,21 @@ impl PointIndex {
         let tree = match kind {
             IndexKind::Median => {
                 let Workspace { items, other } = workspace;
-                points::number(points, items);
-                median::arrange(items, workspace::room(other, points.len()), isa);
-                layout::lay_out(points::order(items), |slot, _| items[slot], layout::regular_nodes(blocks))
+                points::number(points, items)?;
+                median::arrange(items, workspace::room(other, points.len())?, isa)?;
+                layout::lay_out(points::order(items)?, |slot, _| items[slot], layout::regular_nodes(blocks)?)
             }
             IndexKind::Vvh => {
                 let Workspace { items, other } = workspace;
-                points::number(points, items);
-                let nodes = vvh::arrange(items, workspace::room(other, points.len()), isa);
-                layout::lay_out(points::order(items), |slot, _| items[slot], nodes)
+                points::number(points, items)?;
+                let nodes = vvh::arrange(items, workspace::room(other, points.len())?, isa)?;
+                layout::lay_out(points::order(items)?, |slot, _| items[slot], nodes)
             }
             IndexKind::Morton => {
-                let order = morton::order(points, &bounds, isa);
-                layout::lay_out(order, |_, id| Item::new(points[id as usize], id), layout::regular_nodes(blocks))
+                let order = morton::order(points, &bounds, isa)?;
+                layout::lay_out(order, |_, id| Item::new(points[id as usize], id), layout::regular_nodes(blocks)?)
             }
-        };
+        }?;
         Ok(Self { kind, isa, tree })
     }
 
@@ -234,16 +238,26 @@ impl PointIndex {
     /// [`Self::nearest`] for every query, without a filter, in parallel. `out` has one row per query: the ids,
     /// nearest first, padded with `u32::MAX` if there are fewer than `k`.
     ///
+    /// # Errors
+    ///
+    /// [`IndexError::OutOfMemory`].
+    ///
     /// # Panics
     ///
     /// If `out` does not have `queries.len() * k` elements.
-    pub fn nearest_many(&self, queries: &[[f32; 3]], k: usize, max_r2: f32, out: &mut [u32]) {
+    pub fn nearest_many(
+        &self,
+        queries: &[[f32; 3]],
+        k: usize,
+        max_r2: f32,
+        out: &mut [u32],
+    ) -> Result<(), IndexError> {
         assert_eq!(Some(out.len()), queries.len().checked_mul(k), "`out` must have k elements per query");
         if k == 0 {
-            return;
+            return Ok(());
         }
-        out.par_chunks_mut(k * CHUNK).zip(queries.par_chunks(CHUNK)).for_each(|(rows, queries)| {
-            let mut found = Neighbours::new();
+        out.par_chunks_mut(k * CHUNK).zip(queries.par_chunks(CHUNK)).try_for_each(|(rows, queries)| {
+            let mut found = Neighbours::for_nearest(k.min(self.len()))?;
             for (row, &query) in rows.chunks_exact_mut(k).zip(queries) {
                 self.nearest_of_all(query, k, max_r2, &mut found);
                 row.fill(u32::MAX);
@@ -251,7 +265,8 @@ impl PointIndex {
                     *id = neighbour.id;
                 }
             }
-        });
+            Ok(())
+        })
     }
 
     /// [`Self::count_within`] for every query, in parallel.

@@ -17,21 +17,22 @@ use crate::index::layout::WIDTH;
 use crate::index::points::Bounds;
 use crate::index::radix::{self, Keyed};
 use photon_core::kd_tree;
+use photon_core::memory::{self, OutOfMemory};
 use rayon::prelude::*;
 
 /// Bits of the code per axis.
 const BITS: i32 = kd_tree::MORTON_BITS as i32;
 
 /// The ids of `points` in the canonical order; `bounds` is their bounding box.
-pub(crate) fn order(points: &[[f32; 3]], bounds: &Bounds, isa: Isa) -> Vec<u32> {
+pub(crate) fn order(points: &[[f32; 3]], bounds: &Bounds, isa: Isa) -> Result<Vec<u32>, OutOfMemory> {
     let grid = Grid::over(bounds);
-    let mut keyed = radix::zeros(points.len());
+    let mut keyed = radix::zeros(points.len())?;
     keyed.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).enumerate().for_each(|(chunk, (keyed, points))| {
         isa.run(Encode { grid, points, first: (chunk * CHUNK) as u32, keyed });
     });
-    let mut order = vec![0; points.len()];
-    sort(points, keyed, &mut order);
-    order
+    let mut order = memory::zeroed(points.len(), "order of the photons")?;
+    sort(points, keyed, &mut order)?;
+    Ok(order)
 }
 
 /// Points per parallel task.
@@ -78,8 +79,8 @@ impl Dispatched for Encode<'_> {
 }
 
 /// Sorts into `order`; runs of equal codes are sorted again by a finer grid.
-fn sort(points: &[[f32; 3]], mut keyed: Vec<Keyed>, order: &mut [u32]) {
-    let mut scratch = radix::zeros(keyed.len());
+fn sort(points: &[[f32; 3]], mut keyed: Vec<Keyed>, order: &mut [u32]) -> Result<(), OutOfMemory> {
+    let mut scratch = radix::zeros(keyed.len())?;
     radix::sort(&mut keyed, &mut scratch, order, 3 * BITS as u32, &|sorted, order| {
         for (id, keyed) in order.iter_mut().zip(sorted) {
             *id = keyed.id;
@@ -100,14 +101,15 @@ fn sort(points: &[[f32; 3]], mut keyed: Vec<Keyed>, order: &mut [u32]) {
                 at += 1;
             }
             if at - first > WIDTH {
-                refine(points, &mut order[first..at]);
+                refine(points, &mut order[first..at])?;
             }
         }
-    });
+        Ok(())
+    })
 }
 
 /// Sorts the ids of points that share a code.
-fn refine(points: &[[f32; 3]], ids: &mut [u32]) {
+fn refine(points: &[[f32; 3]], ids: &mut [u32]) -> Result<(), OutOfMemory> {
     let mut bounds = Bounds::NONE;
     for &id in &*ids {
         bounds.grow(points[id as usize]);
@@ -115,9 +117,10 @@ fn refine(points: &[[f32; 3]], ids: &mut [u32]) {
     // The extent shrinks at least 2²⁰-fold, so the range of f32 ends the recursion after 14 levels.
     if bounds.lo != bounds.hi {
         let grid = Grid::over(&bounds);
-        let keyed = ids.iter().map(|&id| Keyed::new(grid.code(points[id as usize]), id)).collect();
-        sort(points, keyed, ids);
+        let keyed = ids.iter().map(|&id| Keyed::new(grid.code(points[id as usize]), id));
+        sort(points, memory::collected(keyed, radix::LABEL)?, ids)?;
     }
+    Ok(())
 }
 
 /// The grid that maps coordinates to integers.

@@ -7,6 +7,8 @@
 //! many points, or there is no guess at all, the tree is traversed from near to far with a radius that shrinks as
 //! points are found.
 
+use photon_core::memory::{self, OutOfMemory};
+
 use crate::index::accept::Accept;
 use crate::index::dispatch::Dispatched;
 use crate::index::lanes::{Lanes, to_boxes, to_points};
@@ -55,6 +57,17 @@ impl Neighbours {
         Self::default()
     }
 
+    /// An empty result with room for the `k` nearest, so that searches allocate nothing more.
+    ///
+    /// # Errors
+    /// [`OutOfMemory`].
+    pub fn for_nearest(k: usize) -> Result<Self, OutOfMemory> {
+        const LABEL: &str = "nearest points";
+        let room = collected_at_most(k).saturating_add(2 * WIDTH + 1);
+        let (keys, sorted) = (memory::with_capacity(room, LABEL)?, memory::with_capacity(room, LABEL)?);
+        Ok(Self { found: memory::with_capacity(k, LABEL)?, keys, sorted, stack: Vec::new(), hint: None })
+    }
+
     /// The points found by the last search, nearest first; equal distances by ascending id.
     #[must_use]
     pub fn as_slice(&self) -> &[Neighbour] {
@@ -80,6 +93,11 @@ impl Neighbours {
         let likely = hint.r2 * (1.0 + MARGIN / (k as f32).sqrt());
         Some(if sure * sure < likely { sure * sure * 1.000_01 } else { likely })
     }
+}
+
+/// Number of points after which a search for the nearest `k` within a guessed radius is given up.
+fn collected_at_most(k: usize) -> usize {
+    k.saturating_mul(4).saturating_add(64)
 }
 
 /// By how many standard deviations a guessed squared radius exceeds the last one: a second attempt costs more than
@@ -118,7 +136,7 @@ impl<A: Accept> Dispatched for Nearest<'_, A> {
             };
             let last = !(r2 < max_r2);
             let r2 = if last { max_r2 } else { r2 };
-            let most = 4 * wanted + 64;
+            let most = collected_at_most(wanted);
             let found = collect(lanes, tree, query, r2, most, &mut accept, &mut out.keys);
             if found > most {
                 // Far too many: the k-th nearest of those collected is an upper bound on the true distance.

@@ -2,6 +2,7 @@
 
 use crate::index::IndexError;
 use photon_core::glam::Vec4;
+use photon_core::memory::{self, OutOfMemory};
 use rayon::prelude::*;
 
 /// A point during index construction: its coordinates, finite and without negative zeros, and the bits of its id.
@@ -31,7 +32,12 @@ impl Item {
 /// The bounding box of `points`; an error if a coordinate is not finite.
 pub(crate) fn checked_bounds(points: &[[f32; 3]]) -> Result<Bounds, IndexError> {
     const CHUNK: usize = 1 << 14;
-    let parts: Vec<Option<Bounds>> = points
+    let join = |a: Option<Bounds>, b: Option<Bounds>| {
+        let (mut all, other) = (a?, b?);
+        all.join(&other);
+        Some(all)
+    };
+    let all = points
         .par_chunks(CHUNK)
         .map(|points| {
             // Four points fill three registers; each lane sees only one coordinate.
@@ -59,33 +65,30 @@ pub(crate) fn checked_bounds(points: &[[f32; 3]]) -> Result<Bounds, IndexError> 
             }
             finite.then_some(bounds)
         })
-        .collect();
-    let mut all = Bounds::NONE;
-    for (number, part) in parts.iter().enumerate() {
-        if let Some(bounds) = part {
-            all.join(bounds);
-            continue;
-        }
-        for (index, &position) in points.iter().enumerate().skip(number * CHUNK) {
-            if !position.iter().all(|c| c.is_finite()) {
-                return Err(IndexError::NotFinite { index, position });
-            }
-        }
+        .reduce(|| Some(Bounds::NONE), join);
+    // Negative zeros become zeros, so that the bits do not depend on the order in which boxes were joined.
+    if let Some(all) = all {
+        return Ok(Bounds { lo: all.lo.map(|c| c + 0.0), hi: all.hi.map(|c| c + 0.0) });
     }
-    Ok(Bounds { lo: all.lo.map(|c| c + 0.0), hi: all.hi.map(|c| c + 0.0) })
+    let finite = |position: &[f32; 3]| position.iter().all(|c| c.is_finite());
+    let index = points.iter().position(|position| !finite(position)).unwrap_or_default();
+    Err(IndexError::NotFinite { index, position: points[index] })
 }
 
 /// Fills `items` with the points and their ids.
-pub(crate) fn number(points: &[[f32; 3]], items: &mut Vec<Item>) {
+pub(crate) fn number(points: &[[f32; 3]], items: &mut Vec<Item>) -> Result<(), OutOfMemory> {
+    items.clear();
+    memory::reserve(items, points.len(), "sorting photons")?;
     let numbered = points.par_iter().enumerate().with_min_len(1 << 14);
     numbered.map(|(id, &position)| Item::new(position, id as u32)).collect_into_vec(items);
+    Ok(())
 }
 
 /// The ids of `items`.
-pub(crate) fn order(items: &[Item]) -> Vec<u32> {
-    let mut order = Vec::new();
+pub(crate) fn order(items: &[Item]) -> Result<Vec<u32>, OutOfMemory> {
+    let mut order = memory::with_capacity(items.len(), "order of the photons")?;
     items.par_iter().with_min_len(1 << 14).map(Item::id).collect_into_vec(&mut order);
-    order
+    Ok(order)
 }
 
 /// An axis-aligned bounding box.

@@ -3,6 +3,7 @@
 //! depends only on the codes.
 
 use bytemuck::Zeroable;
+use photon_core::memory::{self, OutOfMemory};
 use rayon::prelude::*;
 
 /// A code and the id of its point, packed into twelve bytes: memory traffic is most of the cost.
@@ -35,33 +36,34 @@ const COMPARED: usize = 40;
 /// Segments at least this long are distributed by several threads.
 const SHARED: usize = 1 << 17;
 
+/// Label of its memory.
+pub(crate) const LABEL: &str = "sorting photons";
+
 /// Zeroed elements to be overwritten. Zeroed pages from the system are not touched here but by the threads that
 /// first write to them.
-pub(crate) fn zeros(count: usize) -> Vec<Keyed> {
-    bytemuck::zeroed_vec(count)
+pub(crate) fn zeros(count: usize) -> Result<Vec<Keyed>, OutOfMemory> {
+    memory::zeroed(count, LABEL)
 }
 
 /// Sorts `keyed`, which is in ascending order of ids, by the lowest `bits` of the codes, and passes every segment
 /// of the result, with the matching part of `out`, to `finish`. Equal codes always fall into the same segment.
 ///
 /// `scratch` and `out` have the same length as `keyed`; all codes agree above `bits`.
-pub(crate) fn sort<F: Fn(&[Keyed], &mut [u32]) + Sync>(
+pub(crate) fn sort<F: Fn(&[Keyed], &mut [u32]) -> Result<(), OutOfMemory> + Sync>(
     keyed: &mut [Keyed],
     scratch: &mut [Keyed],
     out: &mut [u32],
     bits: u32,
     finish: &F,
-) {
+) -> Result<(), OutOfMemory> {
     if keyed.is_empty() {
-        return;
+        return Ok(());
     }
     if bits == 0 {
-        finish(keyed, out);
-        return;
+        return finish(keyed, out);
     }
     if keyed.len() <= IN_CACHE {
-        finish(in_cache(keyed, scratch, bits), out);
-        return;
+        return finish(in_cache(keyed, scratch, bits), out);
     }
     // About 300 per bucket if codes are spread evenly.
     let digit = (keyed.len().ilog2() - 8).min(11).min(bits);
@@ -89,9 +91,8 @@ pub(crate) fn sort<F: Fn(&[Keyed], &mut [u32]) + Sync>(
     };
     if chunks == 1 {
         let ends = distribute(keyed, scratch);
-        let tasks = cut(scratch, keyed, out, buckets, |bucket| ends[bucket] as usize - start(&ends, bucket));
-        for_each(tasks, |(keyed, scratch, out)| sort(keyed, scratch, out, rest, finish));
-        return;
+        let tasks = cut(scratch, keyed, out, buckets, |bucket| ends[bucket] as usize - start(&ends, bucket))?;
+        return for_each(tasks, |(keyed, scratch, out)| sort(keyed, scratch, out, rest, finish));
     }
     let ends: Vec<Vec<u32>> = keyed
         .par_chunks(chunk)
@@ -101,7 +102,7 @@ pub(crate) fn sort<F: Fn(&[Keyed], &mut [u32]) + Sync>(
     // Then every bucket collects its part of each chunk.
     let size = |bucket: usize| ends.iter().map(|ends| ends[bucket] as usize - start(ends, bucket)).sum();
     {
-        let (from, mut to, mut tasks) = (&*scratch, &mut *keyed, Vec::with_capacity(buckets));
+        let (from, mut to, mut tasks) = (&*scratch, &mut *keyed, memory::with_capacity(buckets, LABEL)?);
         for bucket in 0..buckets {
             let (own, others) = to.split_at_mut(size(bucket));
             to = others;
@@ -114,10 +115,11 @@ pub(crate) fn sort<F: Fn(&[Keyed], &mut [u32]) + Sync>(
                 own[at..at + share.len()].copy_from_slice(share);
                 at += share.len();
             }
-        });
+            Ok(())
+        })?;
     }
-    let tasks = cut(keyed, scratch, out, buckets, size);
-    for_each(tasks, |(keyed, scratch, out)| sort(keyed, scratch, out, rest, finish));
+    let tasks = cut(keyed, scratch, out, buckets, size)?;
+    for_each(tasks, |(keyed, scratch, out)| sort(keyed, scratch, out, rest, finish))
 }
 
 /// Where a bucket begins in its chunk, given the ends of all buckets.
@@ -134,8 +136,8 @@ fn cut<'a>(
     mut c: &'a mut [u32],
     buckets: usize,
     size: impl Fn(usize) -> usize,
-) -> Vec<Task<'a>> {
-    let mut tasks = Vec::with_capacity(buckets);
+) -> Result<Vec<Task<'a>>, OutOfMemory> {
+    let mut tasks = memory::with_capacity(buckets, LABEL)?;
     for bucket in 0..buckets {
         let size = size(bucket);
         if size == 0 {
@@ -147,15 +149,18 @@ fn cut<'a>(
         (a, b, c) = (a_rest, b_rest, c_rest);
         tasks.push((a_own, b_own, c_own));
     }
-    tasks
+    Ok(tasks)
 }
 
 /// Runs the tasks in parallel if there is more than one thread.
-fn for_each<T: Send>(tasks: Vec<T>, work: impl Fn(T) + Sync + Send) {
+fn for_each<T: Send>(
+    tasks: Vec<T>,
+    work: impl Fn(T) -> Result<(), OutOfMemory> + Sync + Send,
+) -> Result<(), OutOfMemory> {
     if rayon::current_num_threads() > 1 {
-        tasks.into_par_iter().for_each(work);
+        tasks.into_par_iter().try_for_each(work)
     } else {
-        tasks.into_iter().for_each(work);
+        tasks.into_iter().try_for_each(work)
     }
 }
 
@@ -260,13 +265,15 @@ mod tests {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
                 let (mut a, mut b, mut out) =
                     (keyed.clone(), vec![Keyed::default(); keyed.len()], vec![0; keyed.len()]);
-                pool.install(|| {
+                let sorted = pool.install(|| {
                     sort(&mut a, &mut b, &mut out, 63, &|sorted, out| {
                         for (id, keyed) in out.iter_mut().zip(sorted) {
                             *id = keyed.id;
                         }
-                    });
+                        Ok(())
+                    })
                 });
+                assert_eq!(sorted, Ok(()));
                 assert!(out.iter().copied().eq(expected.iter().map(|k| k.id)), "{count} {mask:x} {threads}");
             }
         }

@@ -4,6 +4,8 @@
 //! Points start in order of their ids, and every split preserves that order on both sides. Equal coordinates
 //! therefore go left by lower id without comparing ids, and blocks end up in order of their ids without a sort.
 
+use photon_core::memory::{self, OutOfMemory};
+
 use crate::index::dispatch::{Dispatched, Isa};
 use crate::index::lanes::{Collected, Distributed, Lanes};
 use crate::index::points::Item;
@@ -23,13 +25,15 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    pub(crate) fn new(isa: Isa) -> Scratch {
-        Scratch { isa, coordinates: Vec::new(), keys: Vec::new() }
+    /// For segments of up to `length` points.
+    pub(crate) fn new(isa: Isa, length: usize) -> Result<Scratch, OutOfMemory> {
+        let coordinates = memory::with_capacity(length + 4, "sorting photons")?;
+        Ok(Scratch { isa, coordinates, keys: memory::with_capacity(length, "sorting photons")? })
     }
 
     /// New scratch memory for another task.
-    pub(crate) fn other(&self) -> Scratch {
-        Scratch::new(self.isa)
+    pub(crate) fn other(&self, length: usize) -> Result<Scratch, OutOfMemory> {
+        Scratch::new(self.isa, length)
     }
 }
 

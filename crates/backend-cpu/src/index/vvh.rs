@@ -8,9 +8,10 @@
 //! margins never need a split of their own.
 
 use photon_core::kd_tree;
+use photon_core::memory::{self, OutOfMemory};
 
 use crate::index::dispatch::Isa;
-use crate::index::layout::{LEAF, Node, WIDTH};
+use crate::index::layout::{INDEX, LEAF, Node, WIDTH};
 use crate::index::median::left_size;
 use crate::index::points::{Bounds, Item};
 use crate::index::select::{Scratch, split};
@@ -27,18 +28,18 @@ const TASK: usize = 1 << 13;
 
 /// Sorts `items`, which are in ascending order of their ids, into tree order, and returns the nodes over them, with
 /// only `child` filled in. `other` is scratch memory of the same length.
-pub(crate) fn arrange(items: &mut [Item], other: &mut [Item], isa: Isa) -> Vec<Node> {
+pub(crate) fn arrange(items: &mut [Item], other: &mut [Item], isa: Isa) -> Result<Vec<Node>, OutOfMemory> {
     if items.is_empty() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let blocks = items.len().div_ceil(WIDTH);
     // Number of blocks in the left part of every split, in preorder: of the m − 1 splits of m blocks, the first is
     // the segment's own, followed by those of its left part, then those of its right.
-    let mut splits = vec![0_u32; blocks - 1];
-    segment(items, other, true, &mut splits, 0, &mut Scratch::new(isa));
-    let mut nodes = Vec::with_capacity(blocks / 8 + 1);
-    collapse(&splits, blocks, &mut nodes);
-    nodes
+    let mut splits = memory::zeroed(blocks - 1, INDEX)?;
+    segment(items, other, true, &mut splits, 0, &mut Scratch::new(isa, items.len())?)?;
+    let mut nodes = memory::with_capacity(blocks / 8 + 1, INDEX)?;
+    collapse(&splits, blocks, &mut nodes)?;
+    Ok(nodes)
 }
 
 /// Arranges the points in `items`; the result is in `items` if `in_place`, otherwise in `other`.
@@ -49,12 +50,12 @@ fn segment(
     splits: &mut [u32],
     depth: u32,
     scratch: &mut Scratch,
-) {
+) -> Result<(), OutOfMemory> {
     let Some((own, below)) = splits.split_first_mut() else {
         if !in_place {
             other.copy_from_slice(items);
         }
-        return;
+        return Ok(());
     };
     let bounds = Bounds::around(items);
     let (axis, extent) = bounds.longest();
@@ -69,14 +70,15 @@ fn segment(
     let (other_low, other_high) = items.split_at_mut(left);
     let (splits_low, splits_high) = below.split_at_mut(left / WIDTH - 1);
     if low.len().min(high.len()) > TASK {
-        let mut another = scratch.other();
-        rayon::join(
+        let mut another = scratch.other(high.len())?;
+        let (low, high) = rayon::join(
             || segment(low, other_low, !in_place, splits_low, depth + 1, scratch),
             || segment(high, other_high, !in_place, splits_high, depth + 1, &mut another),
         );
+        low.and(high)
     } else {
-        segment(low, other_low, !in_place, splits_low, depth + 1, scratch);
-        segment(high, other_high, !in_place, splits_high, depth + 1, scratch);
+        segment(low, other_low, !in_place, splits_low, depth + 1, scratch)?;
+        segment(high, other_high, !in_place, splits_high, depth + 1, scratch)
     }
 }
 
@@ -118,7 +120,7 @@ struct Segment {
 }
 
 /// Collapses the binary tree into nodes of up to sixteen children, by repeatedly opening the largest child.
-fn collapse(splits: &[u32], blocks: usize, nodes: &mut Vec<Node>) {
+fn collapse(splits: &[u32], blocks: usize, nodes: &mut Vec<Node>) -> Result<(), OutOfMemory> {
     nodes.push(Node::EMPTY);
     let mut open = vec![(0_usize, Segment { first: 0, blocks, splits: 0 })];
     while let Some((number, segment)) = open.pop() {
@@ -139,6 +141,8 @@ fn collapse(splits: &[u32], blocks: usize, nodes: &mut Vec<Node>) {
                 Segment { first: parent.first + left, blocks: parent.blocks - left, splits: parent.splits + left },
             );
         }
+        memory::reserve_doubling(nodes, WIDTH, INDEX)?;
+        memory::reserve_doubling(&mut open, WIDTH, INDEX)?;
         for (lane, child) in children.iter().enumerate() {
             nodes[number].child[lane] = if child.blocks == 1 {
                 LEAF | child.first as u32
@@ -149,4 +153,5 @@ fn collapse(splits: &[u32], blocks: usize, nodes: &mut Vec<Node>) {
             };
         }
     }
+    Ok(())
 }

@@ -1,5 +1,7 @@
 //! Scratch memory for building an index.
 
+use photon_core::memory::{self, OutOfMemory};
+
 use crate::index::points::Item;
 
 /// Scratch memory that [`PointIndex::build_in`] keeps from one build to the next: 32 bytes per point of the largest
@@ -24,9 +26,10 @@ impl Workspace {
 }
 
 /// The first `length` elements, grown if necessary; their contents are unspecified.
-pub(crate) fn room(other: &mut Vec<Item>, length: usize) -> &mut [Item] {
+pub(crate) fn room(other: &mut Vec<Item>, length: usize) -> Result<&mut [Item], OutOfMemory> {
     if other.len() < length {
+        memory::reserve(other, length - other.len(), "sorting photons")?;
         other.resize(length, Item::default());
     }
-    &mut other[..length]
+    Ok(&mut other[..length])
 }

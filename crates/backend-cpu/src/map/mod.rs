@@ -5,6 +5,7 @@ pub(crate) mod power;
 pub(crate) mod rows;
 
 use photon_core::glam::Vec3;
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::{Error, IndexKind, KdTreeBuilder, Photon, PhotonFormat, Result, octahedral};
 use rayon::prelude::*;
 
@@ -104,24 +105,24 @@ impl CpuMap {
         octahedral::unpack_unnormalized(self.directions.get(slot as usize).copied().unwrap_or_default())
     }
 
-    fn arrange(index: PointIndex, photons: CpuBuffer<Photon>) -> Self {
+    fn arrange(index: PointIndex, photons: CpuBuffer<Photon>) -> Result<Self, OutOfMemory> {
         let order = index.order();
         let (normals, powers, directions) = match photons.photon_format() {
             PhotonFormat::Mono => {
-                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power[0]));
+                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power[0]))?;
                 (normals, Powers::Grey(powers), Vec::new())
             }
             PhotonFormat::NoDirection => {
-                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()));
+                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()))?;
                 (normals, Powers::Colour(powers), Vec::new())
             }
             PhotonFormat::Full => {
-                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()));
-                let (directions, _) = in_order(order, &photons, |photon| (photon.direction, ()));
+                let (normals, powers) = in_order(order, &photons, |photon| (photon.normal, photon.power.into()))?;
+                let (directions, _) = in_order(order, &photons, |photon| (photon.direction, ()))?;
                 (normals, Powers::Colour(powers), directions)
             }
         };
-        Self { index, normals: Normals::new(&normals), powers, directions, photons }
+        Ok(Self { index, normals: Normals::new(&normals)?, powers, directions, photons })
     }
 
     /// Size of the search structures, in bytes.
@@ -140,11 +141,12 @@ fn in_order<A: Send, B: Send>(
     order: &[u32],
     photons: &CpuBuffer<Photon>,
     parts: impl Fn(&Photon) -> (A, B) + Sync,
-) -> (Vec<A>, Vec<B>) {
-    let (mut first, mut second) = (Vec::new(), Vec::new());
+) -> Result<(Vec<A>, Vec<B>), OutOfMemory> {
+    let mut first = memory::with_capacity(order.len(), "photon map")?;
+    let mut second = memory::with_capacity(order.len(), "photon map")?;
     let both = order.par_iter().with_min_len(4096).map(|&id| parts(&photons.photon(id as usize)));
     both.unzip_into_vecs(&mut first, &mut second);
-    (first, second)
+    Ok((first, second))
 }
 
 /// Builds photon maps over an index of the selected kind.
@@ -175,6 +177,8 @@ impl KdTreeBuilder<Cpu> for CpuBuilder {
         let label = photons.label;
         let map = on.pool.install(|| {
             let positions = (0..count).into_par_iter().with_min_len(4096).map(|index| photons.photon(index).position);
+            self.positions.clear();
+            memory::reserve(&mut self.positions, count, "photon positions")?;
             positions.collect_into_vec(&mut self.positions);
             let index =
                 PointIndex::build_in(&self.positions, self.kind, &mut self.workspace).map_err(|error| match error {
@@ -183,9 +187,10 @@ impl KdTreeBuilder<Cpu> for CpuBuilder {
                         index: index as u64,
                         why: format!("position {position:?} is not finite"),
                     },
+                    crate::index::IndexError::OutOfMemory(refused) => refused.into(),
                     other => Error::Backend { backend: "cpu: building the photon map", source: Box::new(other) },
                 })?;
-            Ok::<_, Error>(CpuMap::arrange(index, photons))
+            Ok::<_, Error>(CpuMap::arrange(index, photons)?)
         })?;
         on.note_memory(&format!("map of {label}"), map.bytes());
         let kept = self.workspace.bytes() + (self.positions.capacity() * size_of::<[f32; 3]>()) as u64;

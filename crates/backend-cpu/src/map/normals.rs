@@ -2,6 +2,7 @@
 //! a two-byte index into a table. Unpacking a normal at every use took a quarter of the estimation time.
 
 use photon_core::glam::Vec3;
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::octahedral;
 use rayon::prelude::*;
 
@@ -22,11 +23,16 @@ pub(crate) enum Normals {
 
 impl Normals {
     /// Unpacks `packed`.
-    pub(crate) fn new(packed: &[u32]) -> Self {
-        match different(packed, MAX_DIFFERENT) {
-            None => Self::Each(packed.par_iter().with_min_len(4096).map(|&n| octahedral::unpack(n)).collect()),
-            Some(known) => {
-                let mut which = vec![0; packed.len()];
+    pub(crate) fn new(packed: &[u32]) -> Result<Self, OutOfMemory> {
+        Ok(match different(packed, MAX_DIFFERENT) {
+            Err(Stop::Memory(refused)) => return Err(refused),
+            Err(Stop::TooMany) => {
+                let mut normals = memory::with_capacity(packed.len(), "photon normals")?;
+                packed.par_iter().with_min_len(4096).map(|&n| octahedral::unpack(n)).collect_into_vec(&mut normals);
+                Self::Each(normals)
+            }
+            Ok(known) => {
+                let mut which = memory::zeroed(packed.len(), "photon normals")?;
                 which.par_chunks_mut(CHUNK).zip(packed.par_chunks(CHUNK)).for_each(|(which, packed)| {
                     // Consecutive photons mostly lie on the same surface.
                     let mut last = (0, known.first().copied());
@@ -37,9 +43,10 @@ impl Normals {
                         *which = last.0;
                     }
                 });
-                Self::Few(known.into_iter().map(octahedral::unpack).collect(), which)
+                let table = known.iter().copied().map(octahedral::unpack);
+                Self::Few(memory::collected(table, "photon normals")?, which)
             }
-        }
+        })
     }
 
     #[inline]
@@ -65,23 +72,41 @@ impl Normals {
     }
 }
 
-/// The distinct values in ascending order, or `None` if there are more than `most`.
-fn different(packed: &[u32], most: usize) -> Option<Vec<u32>> {
+/// Why there is no table of the distinct normals.
+enum Stop {
+    TooMany,
+    Memory(OutOfMemory),
+}
+
+impl From<OutOfMemory> for Stop {
+    fn from(refused: OutOfMemory) -> Self {
+        Self::Memory(refused)
+    }
+}
+
+/// The distinct values in ascending order; [`Stop::TooMany`] if there are more than `most`.
+fn different(packed: &[u32], most: usize) -> Result<Vec<u32>, Stop> {
+    let few = |found: Vec<u32>| if found.len() <= most { Ok(found) } else { Err(Stop::TooMany) };
     let of_chunk = |chunk: &[u32]| {
-        let mut found = chunk.to_vec();
+        let mut found = memory::copied(chunk, "distinct normals")?;
         found.dedup();
         found.sort_unstable();
         found.dedup();
-        (found.len() <= most).then_some(found)
+        few(found)
     };
-    let join = |mut all: Vec<u32>, other: Vec<u32>| {
-        all.extend(other);
-        // The concatenation of two sorted runs.
-        all.sort();
-        all.dedup();
-        (all.len() <= most).then_some(all)
-    };
-    packed.par_chunks(CHUNK).map(of_chunk).try_reduce(Vec::new, join)
+    packed.par_chunks(CHUNK).map(of_chunk).try_reduce(Vec::new, |all, other| few(merge(&all, &other)?))
+}
+
+/// The union of two ascending lists without repetitions, as one such list.
+fn merge(mut a: &[u32], mut b: &[u32]) -> Result<Vec<u32>, OutOfMemory> {
+    let mut union = memory::with_capacity(a.len() + b.len(), "distinct normals")?;
+    while let (Some(first), Some(second)) = (a.first(), b.first()) {
+        union.push(*first.min(second));
+        (a, b) = (&a[usize::from(first <= second)..], &b[usize::from(second <= first)..]);
+    }
+    union.extend_from_slice(a);
+    union.extend_from_slice(b);
+    Ok(union)
 }
 
 #[cfg(test)]
@@ -93,7 +118,7 @@ mod tests {
     fn every_normal_is_that_of_its_photon() {
         for different in [0, 1, 2, 300, MAX_DIFFERENT as u32, MAX_DIFFERENT as u32 + 1, 50_000] {
             let packed: Vec<u32> = (0..different * 2).map(|i| (i % different).wrapping_mul(0x9E37_79B1)).collect();
-            let normals = Normals::new(&packed);
+            let normals = Normals::new(&packed).unwrap();
             assert_eq!(matches!(normals, Normals::Few(..)), different <= MAX_DIFFERENT as u32, "{different}");
             assert_eq!(normals.len(), packed.len());
             for (slot, &normal) in packed.iter().enumerate() {
@@ -106,6 +131,6 @@ mod tests {
     #[test]
     fn few_take_two_bytes() {
         let packed = vec![7; 100_000];
-        assert!(Normals::new(&packed).bytes() < 100_000 * 2 + 100);
+        assert!(Normals::new(&packed).unwrap().bytes() < 100_000 * 2 + 100);
     }
 }

@@ -1,5 +1,6 @@
 //! Photon records truncated to a [`PhotonFormat`]: only their first words are stored.
 
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::{Photon, PhotonFormat};
 
 /// 32-bit words in a full photon record.
@@ -15,17 +16,17 @@ pub(crate) enum Rows {
 }
 
 impl Rows {
-    /// Allocates room for `count` photons; `None` for [`PhotonFormat::Full`], or if the memory cannot be allocated.
-    pub(crate) fn with_capacity(photon_format: PhotonFormat, count: usize) -> Option<Self> {
-        fn room<const N: usize>(count: usize) -> Option<Vec<[u32; N]>> {
-            let mut rows = Vec::new();
-            rows.try_reserve_exact(count).ok().map(|()| rows)
-        }
-        match photon_format {
-            PhotonFormat::Mono => room(count).map(Self::Mono),
-            PhotonFormat::NoDirection => room(count).map(Self::NoDirection),
+    /// Allocates room for `count` photons; `None` for [`PhotonFormat::Full`].
+    pub(crate) fn with_capacity(
+        photon_format: PhotonFormat,
+        count: usize,
+        label: &'static str,
+    ) -> Result<Option<Self>, OutOfMemory> {
+        Ok(match photon_format {
+            PhotonFormat::Mono => Some(Self::Mono(memory::with_capacity(count, label)?)),
+            PhotonFormat::NoDirection => Some(Self::NoDirection(memory::with_capacity(count, label)?)),
             PhotonFormat::Full => None,
-        }
+        })
     }
 
     pub(crate) fn photon_format(&self) -> PhotonFormat {

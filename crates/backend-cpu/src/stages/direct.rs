@@ -1,6 +1,7 @@
 //! Direct lighting by next-event estimation.
 
 use photon_core::glam::Vec3;
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::random::{Domain, Sampler};
 use photon_core::{
     Coat, DirectLight, Features, Layer, MediumStack, Pass, Query, RandomKind, Ray, Result, octahedral, offset,
@@ -33,15 +34,21 @@ impl DirectLight<Cpu> for CpuDirect {
             (true, false) => traced::<true, false>,
             (false, false) => traced::<false, false>,
         };
-        let in_batches = scene.traces_batches().then(|| {
-            let chunks = queries.as_slice().par_chunks(BATCH);
-            let found = chunks.flat_map_iter(|chunk| traced_in_batch(scene, pass, chunk, shadow_rays));
-            on.pool.install(|| found.collect::<Vec<_>>())
-        });
+        let in_batches = if scene.traces_batches() {
+            let queries = queries.as_slice();
+            let mut found = memory::zeroed(queries.len(), "direct light")?;
+            let chunks = found.par_chunks_mut(BATCH).zip(queries.par_chunks(BATCH));
+            on.pool.install(|| {
+                chunks.try_for_each(|(found, chunk)| traced_in_batch(scene, pass, chunk, shadow_rays, found))
+            })?;
+            Some(found)
+        } else {
+            None
+        };
         on.pool.install(|| {
             film.for_queries(
                 queries.as_slice(),
-                || (),
+                || Ok(()),
                 |(), index, query, pixel, _| {
                     let irradiance = match &in_batches {
                         Some(irradiance) => irradiance[index],
@@ -49,8 +56,8 @@ impl DirectLight<Cpu> for CpuDirect {
                     };
                     deposit(pixel, Layer::Direct, query.throughput, irradiance);
                 },
-            );
-        });
+            )
+        })?;
         scene.check_caster()
     }
 }
@@ -68,20 +75,31 @@ fn traced<const SHADED: bool, const ALPHA: bool>(scene: &CpuScene, pass: Pass, q
 
 /// Direct irradiance at each query, in a scene without alpha: the lights are sampled once to collect the shadow rays, and
 /// once more to use what they hit.
-fn traced_in_batch(scene: &CpuScene, pass: Pass, queries: &[Query], rays: u32) -> Vec<[f64; 3]> {
+fn traced_in_batch(
+    scene: &CpuScene,
+    pass: Pass,
+    queries: &[Query],
+    rays: u32,
+    found: &mut [[f64; 3]],
+) -> Result<(), OutOfMemory> {
     let (mut all, mut hits) = (Vec::new(), Vec::new());
     for query in queries {
+        memory::reserve_doubling(&mut all, rays as usize, "shadow rays")?;
         irradiance::<true>(scene, pass, query, rays, |ray, _| {
             all.push(*ray);
             true
         });
     }
     if !all.is_empty() {
+        memory::reserve(&mut hits, all.len(), "shadow rays")?;
         scene.hit_many(&all, &mut hits);
     }
     let mut hits = hits.into_iter();
     let mut is_hit = || hits.next().flatten().is_some();
-    queries.iter().map(|query| irradiance::<true>(scene, pass, query, rays, |_, _| is_hit())).collect()
+    for (found, query) in found.iter_mut().zip(queries) {
+        *found = irradiance::<true>(scene, pass, query, rays, |_, _| is_hit());
+    }
+    Ok(())
 }
 
 /// Direct irradiance: the mean over `rays` shadow rays; `occluded` says for a ray and a random word whether something is in

@@ -1,6 +1,7 @@
 //! Irradiance estimation from the photons near a point.
 
 use photon_core::glam::Vec3;
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::{
     ErrorMoments, Estimate, EstimateParams, PhotonFormat, Query, RadianceEstimator, ReflectionLobe, Result, Search,
     neighbour_radius, octahedral,
@@ -39,15 +40,15 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         let fit = queries.data.len().min(estimates.capacity as usize);
         estimates.data.resize(fit, Estimate::default());
         on.pool.install(|| {
-            estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK)).for_each(|(out, queries)| {
+            estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK)).try_for_each(|(out, queries)| {
                 // Neighbouring queries have similar radii, which the scratch memory remembers.
-                let mut scratch = Neighbours::default();
+                let mut scratch = scratch_for(map, gather)?;
                 for (estimate, query) in out.iter_mut().zip(queries) {
                     *estimate = estimate_at(map, VisiblePoint::of(query, gather), gather, &mut scratch);
                 }
-            });
-        });
-        Ok(())
+                Ok(())
+            })
+        })
     }
 
     fn estimate_with_moments(
@@ -91,10 +92,11 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         if map.len() <= neighbours as usize {
             return Ok(None);
         }
-        let found = on.pool.install(|| {
+        let mut radii = memory::with_capacity(count, "search radii")?;
+        on.pool.install(|| {
             (0..count)
                 .into_par_iter()
-                .filter_map(|i| {
+                .map(|i| {
                     let photon = map.stored(i * map.len() / count);
                     let normal = octahedral::unpack(photon.normal);
                     let mut scratch = Neighbours::default();
@@ -103,8 +105,9 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
                     let nearest = scratch.as_slice();
                     (nearest.len() > neighbours as usize).then(|| nearest[neighbours as usize].d2)
                 })
-                .collect()
+                .collect_into_vec(&mut radii);
         });
+        let found = radii.into_iter().flatten().collect();
         Ok(Some(neighbour_radius::median(found, count as u32)))
     }
 
@@ -114,6 +117,16 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
 
     fn weighs_reflections(&self) -> bool {
         true
+    }
+}
+
+/// Scratch memory for the searches of `gather` in `map`.
+pub(crate) fn scratch_for(map: &CpuMap, gather: &EstimateParams) -> Result<Neighbours, OutOfMemory> {
+    match gather.search {
+        Search::KNearest { k: most } | Search::Paper { max: most, .. } => {
+            Neighbours::for_nearest(map.len().min(most as usize))
+        }
+        Search::Radius | Search::NearestPhoton => Ok(Neighbours::default()),
     }
 }
 

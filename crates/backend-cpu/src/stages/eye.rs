@@ -1,6 +1,7 @@
 //! Camera paths, traced to the first diffuse surface.
 
 use photon_core::glam::Vec3;
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
@@ -35,6 +36,9 @@ pub(crate) struct CpuEye {
     pub(crate) caustic_roughness: Option<f32>,
 }
 
+/// Label of the memory for the queries of a row.
+pub(crate) const QUERIES: &str = "camera paths";
+
 const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 
 impl EyeTracer<Cpu> for CpuEye {
@@ -65,26 +69,27 @@ impl EyeTracer<Cpu> for CpuEye {
             (false, false, false) => Eye::look::<false, false, false, false>,
         };
         let in_batches = scene.traces_batches();
-        let rows: Vec<Vec<Query>> = on.pool.install(|| {
-            film.pending
-                .par_chunks_mut(view.width as usize)
-                .enumerate()
-                .map(|(row, pixels)| {
-                    let mut found = Vec::with_capacity(pixels.len());
-                    if in_batches {
-                        eye_batch::trace_row(&eye, row as u32, (has_lens, reflections), pixels, &mut found);
-                        return found;
-                    }
-                    for (column, pixel) in pixels.iter_mut().enumerate() {
-                        look(&eye, column as u32, row as u32, pixel, &mut found);
-                    }
-                    found
-                })
-                .collect()
+        let mut rows = memory::with_capacity(view.height as usize, QUERIES)?;
+        on.pool.install(|| {
+            let all = film.pending.par_chunks_mut(view.width as usize).enumerate();
+            let traced = all.map(|(row, pixels)| {
+                let mut found = memory::with_capacity(pixels.len(), QUERIES)?;
+                if in_batches {
+                    eye_batch::trace_row(&eye, row as u32, (has_lens, reflections), pixels, &mut found)?;
+                    return Ok(found);
+                }
+                for (column, pixel) in pixels.iter_mut().enumerate() {
+                    memory::reserve_doubling(&mut found, QUERIES_PER_PIXEL as usize, QUERIES)?;
+                    look(&eye, column as u32, row as u32, pixel, &mut found);
+                }
+                Ok(found)
+            });
+            traced.collect_into_vec(&mut rows);
         });
         queries.clear();
         for row in rows {
-            queries.append(&row);
+            let row: Result<_, OutOfMemory> = row;
+            queries.append(&row?);
         }
         scene.check_caster()
     }

@@ -1,8 +1,9 @@
 //! Camera paths in batches: those of a row surface by surface, so that a ray caster gets many rays at once.
 
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::{FilmPixel, QUERIES_PER_PIXEL, Query};
 
-use crate::stages::eye::{Eye, Path};
+use crate::stages::eye::{Eye, Path, QUERIES};
 
 /// The paths of a pixel: the one that is being traced, and those that have branched off.
 struct Pixel {
@@ -19,13 +20,14 @@ pub(super) fn trace_row(
     (has_lens, reflections): (bool, bool),
     pixels: &mut [FilmPixel],
     queries: &mut Vec<Query>,
-) {
+) -> Result<(), OutOfMemory> {
     let first = if has_lens { Eye::first::<true> } else { Eye::first::<false> };
-    let mut active: Vec<Pixel> = (0..pixels.len())
-        .map(|column| Pixel { column, path: first(eye, column as u32, row), waiting: Vec::new() })
-        .collect();
-    let (mut rays, mut hits) = (Vec::with_capacity(active.len()), Vec::with_capacity(active.len()));
+    let start = |column| Pixel { column, path: first(eye, column as u32, row), waiting: Vec::new() };
+    let mut active = memory::collected((0..pixels.len()).map(start), QUERIES)?;
+    let mut rays = memory::with_capacity(active.len(), QUERIES)?;
+    let mut hits = memory::with_capacity(active.len(), QUERIES)?;
     while !active.is_empty() {
+        memory::reserve_doubling(queries, active.len() * QUERIES_PER_PIXEL as usize, QUERIES)?;
         rays.clear();
         rays.extend(active.iter().map(|pixel| pixel.path.ray));
         eye.scene.hit_many(&rays, &mut hits);
@@ -51,4 +53,5 @@ pub(super) fn trace_row(
     // In the order of the pixels; the queries of a pixel keep theirs.
     queries.sort_by_key(|query| query.pixel);
     debug_assert!(queries.len() <= pixels.len() * QUERIES_PER_PIXEL as usize);
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! Indirect light by final gathering (Jensen 1996).
 
 use photon_core::glam::Vec3;
+use photon_core::memory::OutOfMemory;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
     Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Layer, Layers, Lobe, MapKind, Maps,
@@ -14,6 +15,7 @@ use crate::index::Neighbours;
 use crate::scene::CpuScene;
 use crate::stages::area::Around;
 use crate::stages::error_moments::estimate_with_moments_at;
+use crate::stages::estimate::scratch_for;
 use crate::stages::estimate::{PowerFactor, VisiblePoint, estimate_at};
 
 /// Traces gather rays from the queries to the points where the maps are evaluated.
@@ -46,7 +48,7 @@ impl FinalGather<Cpu> for CpuGather {
                 (false, false) => follow::<false, false>,
             };
         on.pool.install(|| {
-            film.for_queries(queries.as_slice(), PerMap::<Neighbours>::default, |scratch, _, query, pixel, errors| {
+            film.for_queries(queries.as_slice(), || scratch(maps), |scratch, _, query, pixel, errors| {
                 let key = query.path;
                 let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
                 let mut sum = Found::default();
@@ -59,14 +61,27 @@ impl FinalGather<Cpu> for CpuGather {
                 if let Some(errors) = errors {
                     errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
                 }
-            });
-        });
+            })
+        })?;
         scene.check_caster()
     }
 
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Mono
     }
+}
+
+/// Scratch memory for the searches in each map.
+fn scratch(maps: &Maps<'_, Cpu>) -> Result<PerMap<Neighbours>, OutOfMemory> {
+    let mut all = PerMap::<Neighbours>::default();
+    for (kind, map) in maps.photons.iter() {
+        // Precomputed irradiance takes the place of the global map.
+        let map = if kind == MapKind::Global { maps.irradiance.as_ref().or(map.as_ref()) } else { map.as_ref() };
+        if let Some((map, gather)) = map {
+            all[kind] = scratch_for(map, gather)?;
+        }
+    }
+    Ok(all)
 }
 
 /// What gather rays find.

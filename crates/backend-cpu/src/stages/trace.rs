@@ -4,6 +4,7 @@ mod kernel;
 mod scheduling;
 
 use photon_core::glam::Vec3;
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::photon_sample::{Arriving, GlossyLobe, PhotonSample};
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
@@ -57,8 +58,25 @@ impl CpuTracer {
 /// The output of tracing some paths: photons for each map.
 #[derive(Default)]
 pub(super) struct TraceOutput {
-    pub(super) photons: PerMap<Vec<Photon>>,
+    pub(super) photons: PerMap<PhotonList>,
     tally: Tally,
+}
+
+/// Photons of one map. Without memory for more, later ones are lost, and the pass fails.
+#[derive(Default)]
+pub(super) struct PhotonList {
+    pub(super) stored: Vec<Photon>,
+    refused: Option<OutOfMemory>,
+}
+
+impl PhotonList {
+    #[inline(always)]
+    fn push(&mut self, photon: Photon) {
+        match memory::reserve_doubling(&mut self.stored, 1, "photons under way") {
+            Ok(()) => self.stored.push(photon),
+            Err(refused) => self.refused = Some(refused),
+        }
+    }
 }
 
 impl Tracer<Cpu> for CpuTracer {
@@ -86,11 +104,14 @@ impl Tracer<Cpu> for CpuTracer {
             Scheduling::Static => share_statically(on, &walk, rays),
             Scheduling::Dynamic => share_dynamically(on, &walk, rays),
         };
-        for output in outputs {
+        for output in outputs? {
             self.tally.merge(&output.tally);
             for (kind, photons) in output.photons.iter() {
+                if let Some(refused) = photons.refused {
+                    return Err(refused.into());
+                }
                 if let Some(target) = &mut deposits[kind] {
-                    target.append_photons(photons);
+                    target.append_photons(&photons.stored);
                 }
             }
         }
@@ -331,7 +352,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
 /// Where a photon that arrives at a surface is stored.
 struct Store<'a> {
     /// `None`: nowhere.
-    target: Option<&'a mut Vec<Photon>>,
+    target: Option<&'a mut PhotonList>,
     kind: MapKind,
     surface: &'a SurfaceInteraction,
     wo: Vec3,

@@ -7,7 +7,7 @@ use crate::stages::trace::{Paused, TraceOutput, Walk};
 /// Traces the paths that begin with `starts`. The photons are appended in the order in which they are stored if each path
 /// is traced to its end before the next one.
 pub(super) fn trace(walk: &Walk<'_>, starts: &[PhotonRay], output: &mut TraceOutput) {
-    let before = output.photons.each_ref().map(|photons| photons.len());
+    let before = output.photons.each_ref().map(|photons| photons.stored.len());
     let mut owners = output.photons.each_ref().map(|_| Vec::new());
     let mut paths: Vec<(usize, Paused)> = (0..starts.len()).map(|index| (index, Paused::default())).collect();
     let (mut rays, mut hits) = (Vec::with_capacity(paths.len()), Vec::with_capacity(paths.len()));
@@ -16,7 +16,7 @@ pub(super) fn trace(walk: &Walk<'_>, starts: &[PhotonRay], output: &mut TraceOut
             (walk.follow)(walk, &starts[*index], output, paused);
             for (kind, photons) in output.photons.iter() {
                 // What this path has stored at its surface.
-                owners[kind].resize(photons.len() - before[kind], *index);
+                owners[kind].resize(photons.stored.len() - before[kind], *index);
             }
             paused.path.is_some()
         });
@@ -29,7 +29,7 @@ pub(super) fn trace(walk: &Walk<'_>, starts: &[PhotonRay], output: &mut TraceOut
         paths.iter_mut().zip(&hits).for_each(|((_, paused), &hit)| paused.hit = Some(hit));
     }
     for (kind, owners) in owners.iter() {
-        sort(&mut output.photons[kind][before[kind]..], owners);
+        sort(&mut output.photons[kind].stored[before[kind]..], owners);
     }
 }
 

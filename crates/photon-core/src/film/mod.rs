@@ -11,10 +11,9 @@ use crate::error::{Error, Result};
 use crate::film::confidence::ErrorPixel;
 use crate::film::film_tally::FilmTally;
 use crate::film::pass_set::PassSet;
-use crate::parallel;
+use crate::{memory, parallel};
 use crate::scene::units::Units;
 use bytemuck::Zeroable;
-use bytemuck::allocation::try_zeroed_vec;
 
 /// Version of the numerics, which stored films record: raised with each change that alters the bits of passes (*Numerics*
 /// in the changelog), so that films of two versions are not merged.
@@ -130,10 +129,7 @@ impl Film {
         check_size(width, height)?;
         let count = width as usize * height as usize;
         // Not written until it is used, which may be by many threads.
-        let pixels = try_zeroed_vec(count).map_err(|()| {
-            let bytes = (count as u64).saturating_mul(size_of::<FilmPixel>() as u64);
-            Error::OutOfMemory { label: "film", bytes }
-        })?;
+        let pixels = memory::zeroed(count, "film")?;
         Ok(Self {
             width,
             height,
@@ -146,6 +142,18 @@ impl Film {
             units,
             clamp: false,
         })
+    }
+
+    /// A copy.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn try_clone(&self) -> Result<Self> {
+        let pixels = memory::copied(&self.pixels, "copy of the film")?;
+        let errors = self.errors.as_deref().map(|errors| memory::copied(errors, "copy of the film: errors"));
+        let Self { width, height, passes, cut, units, clamp, .. } = *self;
+        let (contains, tally) = (self.contains.clone(), self.tally.clone());
+        Ok(Self { width, height, pixels, errors: errors.transpose()?, passes, contains, cut, tally, units, clamp })
     }
 
     /// Adds the passes of another film. If [`Film::contains`] is empty for one of them, the caller has to make sure that

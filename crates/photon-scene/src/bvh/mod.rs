@@ -19,6 +19,7 @@ pub use binary::{Binary, BinaryTree};
 pub use compressed::{CompressedNode, CompressedTree};
 pub use simd::{Accel, BruteForce};
 
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::parallel;
 
 /// Why a tree cannot be built.
@@ -49,7 +50,14 @@ pub enum AccelError {
         /// Number of triangles.
         count: usize,
     },
+    /// There is not enough memory to build it.
+    #[error(transparent)]
+    OutOfMemory(#[from] OutOfMemory),
 }
+
+/// Upper bound on the memory for building a tree, bytes per triangle; most of it is allocated by obvhs, which aborts the
+/// process where there is none.
+const BYTES: u64 = 512;
 
 /// Largest coordinate magnitude: beyond it, padding for a unit box no longer covers rounding errors.
 const LIMIT: f32 = 16.0;
@@ -61,6 +69,7 @@ fn check(positions: &[[f32; 3]], triangles: &[[u32; 3]], threads: usize) -> Resu
     if triangles.len() >= 1 << 31 {
         return Err(AccelError::TooMany { count: triangles.len() });
     }
+    memory::check(BYTES * triangles.len() as u64, "building a BVH")?;
     let count = positions.len();
     let outside = |corners: &[u32; 3]| corners.iter().find(|&&vertex| vertex as usize >= count).copied();
     let found =

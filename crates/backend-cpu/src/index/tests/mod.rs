@@ -62,7 +62,7 @@ fn batches_and_threads_change_nothing() {
             results.push(pool.install(|| {
                 let index = PointIndex::build(&points, kind).expect("finite points");
                 let mut nearest = vec![0; queries.len() * 9];
-                index.nearest_many(&queries, 9, 0.001, &mut nearest);
+                index.nearest_many(&queries, 9, 0.001, &mut nearest).unwrap();
                 let mut counts = vec![0; queries.len()];
                 index.count_within_many(&queries, 0.001, &mut counts);
                 let mut one = Neighbours::new();

@@ -4,10 +4,14 @@
 
 #include "shading/constants.glsl"
 
-float cosine_warp_linear(float x, float a, float b) {
-    precise float square = a * a + x * ((b - a) * (b + a));
-    precise float warped = x * (a + b) / (a + sqrt(max(square, 0.0)));
-    return min(warped, 0.99999994);
+// A number, what is missing from it to 1, and the interpolated value there.
+vec3 cosine_warp_linear(float x, float a, float b) {
+    precise float left = 1.0 - x;
+    precise float value = sqrt(a * a * left + b * b * x);
+    precise float sum = a + b;
+    precise float warped = x * sum / (a + value);
+    precise float rest = left * sum / (b + value);
+    return vec3(min(warped, 0.99999994), rest, value);
 }
 
 // Warped numbers, and the reciprocal of their density.
@@ -20,13 +24,12 @@ vec3 cosine_warp(float start, float pole, float finish, float u, float v) {
     start += even;
     pole += even;
     finish += even;
-    float warped_v = cosine_warp_linear(v, 2.0 * pole, start + finish);
-    precise float low = pole + warped_v * (start - pole);
-    precise float high = pole + warped_v * (finish - pole);
-    float warped_u = cosine_warp_linear(u, low, high);
-    precise float value = low + warped_u * (high - low);
-    precise float reciprocal = 0.25 * (2.0 * pole + start + finish) / value;
-    return vec3(warped_u, warped_v, reciprocal);
+    vec3 second = cosine_warp_linear(v, 2.0 * pole, start + finish);
+    precise float low = pole * second.y + start * second.x;
+    precise float high = pole * second.y + finish * second.x;
+    vec3 first = cosine_warp_linear(u, low, high);
+    precise float reciprocal = 0.25 * (2.0 * pole + start + finish) / first.z;
+    return vec3(first.x, second.x, reciprocal);
 }
 
 #endif

@@ -1,7 +1,6 @@
 // Twin of photon-core's math.rs, and the arithmetic shared by the other twins.
 //
-// `precise` prevents the contraction of a multiplication and an addition, as in Rust; the built-in `dot` and
-// `cross` may be fused regardless, so they are replaced.
+// The built-in `dot` and `cross` may add in any order, so they are replaced.
 #ifndef MATH_GLSL
 #define MATH_GLSL
 

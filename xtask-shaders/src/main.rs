@@ -6,6 +6,7 @@
 
 mod apart;
 mod compile;
+mod no_contraction;
 mod sources;
 mod write;
 

@@ -1,10 +1,10 @@
 //! The film: the image being accumulated.
 
+use photon_core::memory::OutOfMemory;
 use photon_core::{
     Display, DisplayImage, ErrorMoments, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind, Query,
     Result, SceneView, memory,
 };
-use photon_core::memory::OutOfMemory;
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};

@@ -7,8 +7,8 @@ use photon_core::glam::Vec3;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, LightGroups, Material, MediaFeatures, Medium,
     MediumStack, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded,
-    SkipLimit, Solids, SurfaceInteraction, alpha, interface, math, offset, radiance_scale, roughest_caustic,
-    memory, shadow_terminator,
+    SkipLimit, Solids, SurfaceInteraction, alpha, interface, math, memory, offset, radiance_scale, roughest_caustic,
+    shadow_terminator,
 };
 use photon_scene::AccelError;
 use rayon::prelude::*;

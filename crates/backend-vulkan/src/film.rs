@@ -8,13 +8,13 @@ use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Estimate, Film, Layer, Query, Result, Units, check_size};
 
 use crate::constants::{FIRST_ALBEDO, FIRST_DEPTH, FIRST_HITS, FIRST_LOW, FIRST_NORMAL, FIRST_SQUARE};
-use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
 mod backend;
-mod bandwidth;
+pub(crate) mod bandwidth;
 mod display;
 pub(crate) mod errors;
 mod read_back;
@@ -244,8 +244,25 @@ pub(crate) fn accumulate_values(
     dispatch(on, FROM_VALUES, &push, queries.capacity())
 }
 
+fn accumulate_kernel(on: &mut Vulkan, from: u32) -> ComputePipeline {
+    on.kernel(&shaders::FILM_ACCUMULATE, GROUP, &AccumulateConstants { from })
+}
+
+fn end_kernel(on: &mut Vulkan, layers: u32) -> ComputePipeline {
+    on.kernel(&shaders::FILM_END, GROUP, &EndConstants { layers })
+}
+
+/// Requests the kernels that add to these layers, from estimates or from values, and end passes.
+pub(crate) fn announce(on: &mut Vulkan, layers: &[Layer], from_estimates: bool, from_values: bool) {
+    let wanted = [(FROM_ESTIMATES, from_estimates), (FROM_VALUES, from_values)];
+    for (from, _) in wanted.into_iter().filter(|(_, is_wanted)| *is_wanted) {
+        accumulate_kernel(on, from);
+    }
+    end_kernel(on, layers.iter().fold(0, |bits, &layer| bits | 1 << layer as u32));
+}
+
 fn dispatch(on: &mut Vulkan, from: u32, push: &AccumulatePush, queries: u64) -> Result<()> {
-    let kernel = on.kernel(&shaders::FILM_ACCUMULATE, GROUP, &AccumulateConstants { from })?;
+    let kernel = accumulate_kernel(on, from);
     on.dispatch(&kernel, push, queries.div_ceil(u64::from(GROUP)))
 }
 
@@ -262,7 +279,7 @@ pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
         pixels: film.pixels() as u32,
         padding: 0,
     };
-    let kernel = on.kernel(&shaders::FILM_END, GROUP, &EndConstants { layers: film.layer_bits() })?;
+    let kernel = end_kernel(on, film.layer_bits());
     on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))?;
     errors::end_pass(on, film)?;
     film.passes += 1;

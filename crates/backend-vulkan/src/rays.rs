@@ -117,7 +117,7 @@ fn line(ray: &Ray) -> Line {
     Line { origin: ray.origin.into(), t_max: ray.t_max, direction: ray.direction.into(), reserved: 0 }
 }
 
-fn kernel(on: &mut Vulkan, shadow: bool, plan: RayPlan) -> Result<ComputePipeline> {
+fn kernel(on: &mut Vulkan, shadow: bool, plan: RayPlan) -> ComputePipeline {
     let constants = NearestConstants { shadow, busy: plan.busy, shared_groups: plan.shared_groups };
     on.kernel(&shaders::RAYS_NEAREST, plan.group, &constants)
 }
@@ -145,7 +145,7 @@ impl Vulkan {
         plan: RayPlan,
     ) -> Result<Vec<Option<Hit>>> {
         let cast = Cast::new(self, rays)?;
-        let kernel = kernel(self, false, plan)?;
+        let kernel = kernel(self, false, plan);
         cast.run(self, &kernel, scene, plan)?;
         let float = f32::from_bits;
         let hit = |[t, primitive, u, v]: [u32; 4]| {
@@ -161,7 +161,7 @@ impl Vulkan {
     pub fn cast_shadow_rays(&mut self, scene: &VulkanScene, rays: &[Ray]) -> Result<Vec<bool>> {
         let plan = RayPlan::for_subgroups(self.limits().subgroup_size);
         let cast = Cast::new(self, rays)?;
-        let kernel = kernel(self, true, plan)?;
+        let kernel = kernel(self, true, plan);
         cast.run(self, &kernel, scene, plan)?;
         Ok(cast.read(self)?.into_iter().map(|[_, primitive, ..]| primitive != u32::MAX).collect())
     }
@@ -176,7 +176,7 @@ impl Vulkan {
     ) -> Result<Vec<Vec<f64>>> {
         let cast = Cast::new(self, rays)?;
         let mut seconds = vec![Vec::new(); plans.len()];
-        let kernels = plans.iter().map(|&plan| kernel(self, false, plan)).collect::<Result<Vec<_>>>()?;
+        let kernels = plans.iter().map(|&plan| kernel(self, false, plan)).collect::<Vec<_>>();
         // One extra round, a warm-up that is not counted.
         for round in 0..=rounds {
             for ((&plan, kernel), seconds) in plans.iter().zip(&kernels).zip(&mut seconds) {

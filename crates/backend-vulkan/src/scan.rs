@@ -69,9 +69,9 @@ impl Scan {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let alone = ALONE.min(on.limits().max_workgroup);
         Ok(Self {
-            sums: on.kernel(&shaders::SCAN_SUMS, MANY.min(alone), &())?,
-            alone: on.kernel(&shaders::SCAN_ALONE, alone, &())?,
-            tiles: on.kernel(&shaders::SCAN_TILES, MANY.min(alone), &())?,
+            sums: on.kernel(&shaders::SCAN_SUMS, MANY.min(alone), &()),
+            alone: on.kernel(&shaders::SCAN_ALONE, alone, &()),
+            tiles: on.kernel(&shaders::SCAN_TILES, MANY.min(alone), &()),
             alone_tile: u64::from(alone) * ITEMS,
             scratch: on.memory("scan", 4096)?,
         })

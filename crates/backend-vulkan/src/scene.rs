@@ -5,23 +5,17 @@ use std::time::Instant;
 use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
 use photon_core::{
-    Error, Features, LightGroups, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability,
-    offset, parallel, roughest_caustic,
+    Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability, offset,
+    parallel,
 };
 use photon_scene::CompressedTree;
 
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
 
-/// Features with tables of their own. Kernels are specialized to those that the scene has: what only the requirements
-/// have would be read at address 0.
-pub(crate) const WITH_TABLES: Features = Features::SHADED
-    .union(Features::TEXTURED_LIGHTS)
-    .union(Features::COATED_LIGHTS)
-    .union(Features::ENVIRONMENT)
-    .union(Features::LIGHT_TREE)
-    .union(Features::RANDOM_SURFACES)
-    .union(Features::PORTALS);
+pub(crate) use kind::SceneKind;
+#[cfg(test)]
+pub(crate) use kind::WITH_TABLES;
 
 /// Triangles uploaded at a time.
 const BLOCK: usize = 1 << 20;
@@ -33,16 +27,10 @@ pub struct VulkanScene {
     record: Memory,
     /// The tables that `record` points to.
     _tables: Vec<Memory>,
-    features: Features,
-    media: MediaFeatures,
-    light_count: u32,
-    light_groups: LightGroups,
+    /// What kernels are specialized to.
+    pub(crate) kind: SceneKind,
     /// Address and number of the portals.
     portals: (u64, u32),
-    has_vertex_normals: bool,
-    /// [`roughest_caustic`].
-    roughest_caustic: f32,
-    has_lights_without_extent: bool,
     /// Labels and sizes in bytes of the tables.
     bytes: Vec<(&'static str, u64)>,
     /// Time to build the BVH on the CPU, in seconds.
@@ -122,7 +110,7 @@ impl VulkanScene {
                 emission.slot = slots.get(light.primitive as usize).copied().unwrap_or(0);
             }
         }
-        let lit_by_tree = present.contains(Features::LIGHT_TREE) && required.samples_lights(present);
+        let lit_by_tree = SceneKind::has_light_tree(present, required);
         let shading = shading::upload(&mut upload, view, &tree.order)?;
         let record = Record {
             nodes,
@@ -146,67 +134,13 @@ impl VulkanScene {
         upload.table("scene", &[record])?;
         let Upload { mut tables, bytes, .. } = upload;
         let Some(record) = tables.pop() else { return Err(Error::DeviceLost) };
-        let light_count = view.lights.len() as u32;
         let portals = (portals, view.portals.len() as u32);
-        let unlit = if lit_by_tree { Features::NONE } else { Features::LIGHT_TREE };
-        // A lens is the view's: camera kernels add it.
-        let absent = WITH_TABLES.without(present).union(unlit).union(Features::THIN_LENS);
-        let (features, media) = (required.features.without(absent), required.media);
-        let has_vertex_normals = !view.shading.normals.is_empty();
-        Ok(Self {
-            record,
-            _tables: tables,
-            features,
-            media,
-            light_count,
-            light_groups: LightGroups::new(view),
-            portals,
-            has_vertex_normals,
-            roughest_caustic: roughest_caustic(view),
-            has_lights_without_extent: present.intersects(Features::DELTA_LIGHTS),
-            bytes,
-            build_seconds,
-        })
+        Ok(Self { record, _tables: tables, kind: SceneKind::of(view, required), portals, bytes, build_seconds })
     }
 
     /// Address of the record that is passed to kernels.
     pub(crate) fn address(&self) -> u64 {
         self.record.address()
-    }
-
-    /// Features that kernels must support.
-    pub(crate) fn features(&self) -> Features {
-        self.features
-    }
-
-    /// Whether triangles have vertex normals.
-    pub(crate) fn has_vertex_normals(&self) -> bool {
-        self.has_vertex_normals
-    }
-
-    /// [`roughest_caustic`] of the scene.
-    pub(crate) fn roughest_caustic(&self) -> f32 {
-        self.roughest_caustic
-    }
-
-    /// Whether the scene has [`Features::DELTA_LIGHTS`].
-    pub(crate) fn has_lights_without_extent(&self) -> bool {
-        self.has_lights_without_extent
-    }
-
-    /// Media features that kernels must support.
-    pub(crate) fn media(&self) -> MediaFeatures {
-        self.media
-    }
-
-    /// Number of lights.
-    pub(crate) fn light_count(&self) -> u32 {
-        self.light_count
-    }
-
-    /// Groups of lights that each have a shadow ray, if there are rays enough.
-    pub(crate) fn light_groups(&self) -> LightGroups {
-        self.light_groups
     }
 
     /// Address and number of the portals; 0 without any.
@@ -301,6 +235,7 @@ impl Upload<'_> {
 }
 
 mod environment;
+mod kind;
 mod light_tree;
 mod shading;
 #[cfg(test)]

@@ -120,14 +120,12 @@ impl Sort {
     /// Errors of the device.
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let size = workgroup(on)?;
-        let both = |on: &mut Vulkan, module| -> Result<[ComputePipeline; 2]> {
-            let mut of = |key_words| on.kernel(module, size, &KeyConstants { key_words });
-            Ok([of(1)?, of(2)?])
-        };
+        let both =
+            |on: &mut Vulkan, module| [1, 2].map(|key_words| on.kernel(module, size, &KeyConstants { key_words }));
         Ok(Self {
-            count: both(on, &shaders::SORT_COUNT)?,
-            offsets: on.kernel(&shaders::SORT_OFFSETS, size, &())?,
-            scatter: both(on, &shaders::SORT_SCATTER)?,
+            count: both(on, &shaders::SORT_COUNT),
+            offsets: on.kernel(&shaders::SORT_OFFSETS, size, &()),
+            scatter: both(on, &shaders::SORT_SCATTER),
             size: size.into(),
             tile: u64::from(size) * ITEMS,
             few: if on.limits().is_software() { FEW_BY_SOFTWARE } else { FEW },

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use photon_core::{
-    AimedStages, Area, Backend, GlossCaustics, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stage,
-    Stages, TransportBackend,
+    AimedStages, Announcement, Area, Backend, GlossCaustics, ProjectionMap, Query, Requirements, Result, SceneView,
+    Settings, Stage, Stages, TransportBackend,
 };
 
 use crate::device::buffer::VulkanBuffer;
@@ -13,10 +13,10 @@ use crate::scene::VulkanScene;
 use crate::stages::area::VulkanArea;
 use crate::stages::direct::VulkanDirect;
 use crate::stages::emit::{VulkanAimedEmitter, VulkanEmitter};
-use crate::stages::eye::{self, VulkanEye};
+use crate::stages::eye::{self, EyePaths, VulkanEye};
 use crate::stages::final_gather::VulkanGather;
 use crate::stages::irradiance::VulkanIrradiance;
-use crate::stages::trace::VulkanTracer;
+use crate::stages::trace::{PhotonPaths, VulkanTracer};
 use crate::vulkan::Vulkan;
 
 impl TransportBackend for Vulkan {
@@ -46,8 +46,8 @@ impl TransportBackend for Vulkan {
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>> {
         Ok(Stages {
             emitter: Box::new(VulkanEmitter),
-            tracer: Box::new(VulkanTracer::new(self, settings)?),
-            eye: Box::new(VulkanEye::new(self, settings, required)?),
+            tracer: Box::new(VulkanTracer::new(self, settings, PhotonPaths::new(settings))?),
+            eye: Box::new(VulkanEye::new(self, settings, EyePaths::new(settings, required))?),
             direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
             gather: if required.final_gather {
                 let area = (settings.area == Area::Surface).then_some(VulkanArea);
@@ -59,13 +59,21 @@ impl TransportBackend for Vulkan {
             area: if settings.area == Area::Surface { Some(Box::new(VulkanArea)) } else { None },
             aimed: None,
             gloss_caustics: if required.gloss_caustics {
-                let tracer = Box::new(VulkanTracer::for_reflections(self, settings, required)?);
-                Some(GlossCaustics { tracer, eye: Box::new(VulkanEye::for_reflections(self, settings, required)?) })
+                let photons = PhotonPaths::for_reflections(settings, required);
+                let eye = EyePaths::for_reflections(settings, required);
+                Some(GlossCaustics {
+                    tracer: Box::new(VulkanTracer::new(self, settings, photons)?),
+                    eye: Box::new(VulkanEye::new(self, settings, eye)?),
+                })
             } else {
                 None
             },
             map: self.map_stages(settings.index)?,
         })
+    }
+
+    fn announce(&mut self, announcement: &Announcement<'_>) -> Result<()> {
+        announce::announce(self, announcement)
     }
 
     fn aimed(
@@ -74,7 +82,7 @@ impl TransportBackend for Vulkan {
         settings: &Settings,
         projection: &ProjectionMap,
     ) -> Result<Option<AimedStages<Self>>> {
-        let tracer = VulkanTracer::aimed(self, settings)?;
+        let tracer = VulkanTracer::new(self, settings, PhotonPaths::aimed(settings))?;
         Ok(Some((Box::new(VulkanAimedEmitter::new(self, projection)?), Box::new(tracer))))
     }
 
@@ -97,5 +105,6 @@ impl TransportBackend for Vulkan {
     }
 }
 
+mod announce;
 #[cfg(test)]
 mod tests;

@@ -136,10 +136,10 @@ impl Vulkan {
         self.watched
     }
 
-    /// Compiled pipelines: modules and their specialization constants.
+    /// Requested kernels: modules and their specialization constants.
     #[cfg(test)]
-    pub(crate) fn compiled(&self) -> Vec<crate::device::Specialized> {
-        self.pipelines.compiled().cloned().collect()
+    pub(crate) fn requested(&self) -> Vec<crate::device::Specialized> {
+        self.pipelines.requested().cloned().collect()
     }
 
     /// Allocates a device-local buffer with undefined content.
@@ -147,17 +147,43 @@ impl Vulkan {
         Memory::new(&self.device, label, bytes, MemoryLocation::GpuOnly)
     }
 
-    /// The kernel of a module with this workgroup size, compiled if necessary.
+    /// The kernel of a module with this workgroup size. It is compiled by other threads, unless it was requested before;
+    /// whoever dispatches it waits for that.
     pub(crate) fn kernel(
         &mut self,
         module: &'static Module,
         workgroup: u32,
         constants: &impl Constants,
-    ) -> Result<ComputePipeline> {
+    ) -> ComputePipeline {
         self.pipelines.kernel(module, workgroup, constants)
     }
 
-    /// Seconds spent on compiling kernels since the last call.
+    /// Says that all kernels of the next passes are requested.
+    pub(crate) fn all_announced(&mut self) {
+        self.pipelines.all_announced();
+    }
+
+    /// Waits until all kernels that were requested so far are compiled: by default nothing waits for one that is not used.
+    ///
+    /// # Errors
+    /// [`Error::Backend`] if one does not compile.
+    pub fn wait_for_kernels(&mut self) -> Result<()> {
+        self.pipelines.wait_for_all()
+    }
+
+    /// The pipeline of a kernel, for which it waits.
+    #[cfg(test)]
+    pub(crate) fn pipeline(&mut self, kernel: &ComputePipeline) -> Result<ash::vk::Pipeline> {
+        self.pipelines.compiled(kernel)
+    }
+
+    /// Kernels that were requested without being announced.
+    #[cfg(test)]
+    pub(crate) fn late_kernels(&self) -> &[crate::device::Specialized] {
+        self.pipelines.late()
+    }
+
+    /// Seconds spent on waiting for kernels since the last call.
     pub(crate) fn compile_seconds(&mut self) -> f64 {
         self.pipelines.take_seconds()
     }
@@ -174,7 +200,8 @@ impl Vulkan {
         }
         let push = bytemuck::bytes_of(push);
         assert!(push.len() <= 128, "{}: {} bytes of push constants", kernel.name, push.len());
-        self.recorder.dispatch(self.pipelines.layout, kernel, push, Groups::Flat(workgroups))
+        let pipeline = self.pipelines.compiled(kernel)?;
+        self.recorder.dispatch(self.pipelines.layout, pipeline, push, Groups::Flat(workgroups))
     }
 
     /// Indirect dispatch: the three words of `args` at `offset` are the numbers of workgroups.
@@ -188,7 +215,8 @@ impl Vulkan {
         check(args, offset, 12);
         let push = bytemuck::bytes_of(push);
         assert!(push.len() <= 128, "{}: {} bytes of push constants", kernel.name, push.len());
-        self.recorder.dispatch(self.pipelines.layout, kernel, push, Groups::Indirect(args, offset))
+        let pipeline = self.pipelines.compiled(kernel)?;
+        self.recorder.dispatch(self.pipelines.layout, pipeline, push, Groups::Indirect(args, offset))
     }
 
     /// Sets every word of a range; offset and length are multiples of 4.

@@ -21,6 +21,7 @@ mod settings;
 mod shading;
 mod shown;
 
+pub use backend::announcement::{AnnouncedMap, Announcement};
 pub use backend::kd_tree;
 pub use backend::memory::Costs;
 pub use backend::observer::{Event, Observer, PassReport};

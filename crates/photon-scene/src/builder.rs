@@ -167,12 +167,12 @@ impl SceneBuilder {
         normalise::bounds(&self.meshes)
     }
 
-    /// A camera that shows the whole scene, with y upwards: obliquely from above, or from the front (+z) for a room, whose
-    /// surfaces face inwards, and for a scene that is flat along z.
+    /// A camera that shows the whole scene: a room, whose surfaces face inwards, through its open side; other scenes with y
+    /// upwards, obliquely from above, or from the front (+z) if they are flat along z.
     #[must_use]
     pub fn frame_camera(&self) -> CameraDesc {
         let bounds = self.bounds();
-        camera::framing(bounds, bounds.is_some_and(|bounds| camera::is_room(self.meshes.iter(), bounds)))
+        camera::framing(bounds, bounds.and_then(|bounds| camera::open_side(self.meshes.iter(), bounds)))
     }
 
     /// Adds an even environment of radiance 1 if there are triangles and nothing emits light ([`Self::has_light`]), so that

@@ -61,9 +61,10 @@ pub(crate) fn resolve(
 /// A box whose depth along z is a smaller share of its largest extent is a picture or a wall, seen from the front.
 const FLAT: f64 = 0.1;
 
-/// A camera, y upwards, that shows all of a box, or of a unit box if `bounds` is `None`: obliquely from above and from the
-/// right, since the upward axis of a file is not known; or from the front, +z, if the box is flat along z or `is_room`.
-pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>, is_room: bool) -> CameraDesc {
+/// A camera that shows all of a box, or of a unit box if `bounds` is `None`: of a room, through its open side; otherwise
+/// with y upwards, from the front, +z, if the box is flat along z, or obliquely from above and from the right, since the
+/// upward axis of a file is not known.
+pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>, room: Option<OpenSide>) -> CameraDesc {
     let (low, high) = bounds.unwrap_or(([-0.5; 3], [0.5; 3]));
     let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
     let extent = high - low;
@@ -73,10 +74,12 @@ pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>, is_room: bool) -> Ca
     let slope = libm::tan(0.5 * vertical_fov);
     // Relative to the size, so that products do not overflow.
     let shape = extent / size;
-    let (direction, up, distance) = if is_room || shape.z < FLAT && shape.x.min(shape.y) >= FLAT {
-        // In front of the nearest face, at a distance where this face fits with a margin of a tenth.
-        let face = if extent.x.max(extent.y) > 0.0 { extent.x.max(extent.y) } else { size };
-        (DVec3::NEG_Z, DVec3::Y, DVec3::Z * (extent.z * 0.5 + 0.55 * face / slope))
+    let is_flat = shape.z < FLAT && shape.x.min(shape.y) >= FLAT;
+    let (direction, up, distance) = if let Some(OpenSide { back, up }) = room.or(is_flat.then_some(OpenSide::FRONT)) {
+        // In front of that side, at a distance where it fits with a margin of a tenth.
+        let across = (extent - extent * back.abs()).max_element();
+        let face = if across > 0.0 { across } else { size };
+        (-back, up, back * ((extent * back).length() * 0.5 + 0.55 * face / slope))
     } else {
         // Unit vectors: from (2, 2, 3) towards the centre, and upwards at right angles to it.
         let back = DVec3::new(2.0, 2.0, 3.0) / 17_f64.sqrt();
@@ -100,24 +103,57 @@ pub(crate) fn framing(bounds: Option<([f64; 3], [f64; 3])>, is_room: bool) -> Ca
     }
 }
 
-/// Whether the surfaces in a box face its inside, as those of a room: the flux of the vector from its centre through them
-/// is less than that through four of the six sides of a box that faces inwards. An open box with things in it is a room, a
-/// floor with things on it is none.
-pub(crate) fn is_room<'a>(meshes: impl Iterator<Item = &'a Mesh>, (low, high): ([f64; 3], [f64; 3])) -> bool {
+/// The side of a room through which it is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct OpenSide {
+    /// Unit vector from the room to the camera.
+    back: DVec3,
+    /// Upwards in the picture.
+    up: DVec3,
+}
+
+impl OpenSide {
+    const FRONT: Self = Self { back: DVec3::Z, up: DVec3::Y };
+
+    /// The side that the areas of all surfaces face on balance, relative to those of the sides of the box; the front if
+    /// none is faced by half a side. Closed solids face all sides equally.
+    fn of(faced: DVec3) -> Self {
+        let sizes = faced.abs();
+        if sizes.max_element() < 0.5 || sizes.z == sizes.max_element() {
+            return Self { back: if faced.z <= -0.5 { DVec3::NEG_Z } else { DVec3::Z }, up: DVec3::Y };
+        }
+        if sizes.x > sizes.y {
+            return Self { back: DVec3::X * faced.x.signum(), up: DVec3::Y };
+        }
+        // Into a room without a ceiling; or from the front of one whose upward axis is z.
+        Self { back: DVec3::Y * faced.y.signum(), up: if faced.y > 0.0 { DVec3::NEG_Z } else { DVec3::Z } }
+    }
+}
+
+/// The open side of a room, `None` for other scenes. The surfaces of a room face its inside: the flux of the vector from the
+/// centre of its box through them is less than that through four of the six sides of a box that faces inwards. An open box
+/// with things in it is a room, a floor with things on it is none.
+pub(crate) fn open_side<'a>(
+    meshes: impl Iterator<Item = &'a Mesh>,
+    (low, high): ([f64; 3], [f64; 3]),
+) -> Option<OpenSide> {
     let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
     let extent = high - low;
-    // Relative to the extents: a box that faces inwards has −6, each of its sides −1.
+    // Relative to the extents: a box that faces inwards has a flux of −6, each of its sides −1 and an area of 1.
     let at = |position: [f64; 3]| (DVec3::from_array(position) - low) / extent - 0.5;
-    let flux = |mesh: &Mesh| {
+    let (mut flux, mut faced) = (0.0, DVec3::ZERO);
+    for mesh in meshes {
         let corner = |index: u32| mesh.positions.get(index as usize).map(|&position| at(position));
-        let through = |triangle: &[u32; 3]| match triangle.map(corner) {
-            [Some(a), Some(b), Some(c)] => a.dot((b - a).cross(c - a)),
-            _ => 0.0,
-        };
-        mesh.triangles.iter().map(through).sum::<f64>()
-    };
+        for triangle in &mesh.triangles {
+            if let [Some(a), Some(b), Some(c)] = triangle.map(corner) {
+                let doubled = (b - a).cross(c - a);
+                flux += a.dot(doubled);
+                faced += 0.5 * doubled;
+            }
+        }
+    }
     // NaN, of a box without a volume, is none.
-    meshes.map(flux).sum::<f64>() < -3.5
+    (flux < -3.5).then(|| OpenSide::of(faced))
 }
 
 #[cfg(test)]
@@ -126,7 +162,7 @@ mod tests {
 
     /// The largest of the tangents under which corners of a box are seen, and whether all are in front.
     fn widest(low: [f64; 3], high: [f64; 3]) -> (f64, bool) {
-        let camera = framing(Some((low, high)), false);
+        let camera = framing(Some((low, high)), None);
         let [at, forward, up] = [camera.position, camera.direction, camera.up].map(DVec3::from_array);
         assert!((forward.length() - 1.0).abs() < 1e-12 && (up.length() - 1.0).abs() < 1e-12, "{camera:?}");
         assert!(forward.dot(up).abs() < 1e-12, "{camera:?}");
@@ -156,17 +192,18 @@ mod tests {
         ] {
             let (most, front) = widest([0.0; 3], high);
             assert!(front && (most * 1.1 / slope - 1.0).abs() < 1e-9, "{high:?}: {most} of {slope}");
-            let camera = framing(Some(([0.0; 3], high)), false);
+            let camera = framing(Some(([0.0; 3], high)), None);
             assert_eq!(camera.direction != [0.0, 0.0, -1.0], oblique, "{high:?}");
             assert!(!oblique || camera.position[1] > high[1], "from above");
-            assert_eq!(framing(Some(([0.0; 3], high)), true).direction, [0.0, 0.0, -1.0], "a room: {high:?}");
+            let room = framing(Some(([0.0; 3], high)), Some(OpenSide::FRONT));
+            assert_eq!(room.direction, [0.0, 0.0, -1.0], "a room: {high:?}");
         }
-        assert!(framing(None, false).position.iter().all(|part| part.is_finite()));
-        assert!(framing(Some(([2.0; 3], [2.0; 3])), false).position[1] > 2.0, "a point");
+        assert!(framing(None, None).position.iter().all(|part| part.is_finite()));
+        assert!(framing(Some(([2.0; 3], [2.0; 3])), None).position[1] > 2.0, "a point");
     }
 
     #[test]
-    fn open_boxes_that_face_inwards_are_rooms() {
+    fn open_boxes_that_face_inwards_are_rooms_and_seen_through_the_open_side() {
         // Sides of a box of 2 × 1 × 3, facing inwards: floor, ceiling, left, right, back, front.
         let sides: [[[f64; 3]; 4]; 6] = [
             [[0., 0., 3.], [2., 0., 3.], [2., 0., 0.], [0., 0., 0.]],
@@ -176,20 +213,36 @@ mod tests {
             [[0., 0., 0.], [2., 0., 0.], [2., 1., 0.], [0., 1., 0.]],
             [[2., 0., 3.], [0., 0., 3.], [0., 1., 3.], [2., 1., 3.]],
         ];
-        let room = |count: usize, turned: bool| {
+        let room = |sides: &[[[f64; 3]; 4]], turned: bool| {
             let mut builder = crate::SceneBuilder::new();
             let grey = builder.material(crate::MaterialDesc::lambert("grey", [0.5; 3]));
-            for side in &sides[..count] {
+            for side in sides {
                 let mut side = *side;
                 if turned {
                     side.reverse();
                 }
                 builder.quad("side", side, grey);
             }
-            is_room(builder.meshes.iter(), ([0.0; 3], [2.0, 1.0, 3.0]))
+            open_side(builder.meshes.iter(), ([0.0; 3], [2.0, 1.0, 3.0]))
         };
-        assert_eq!([1, 3, 4, 5, 6].map(|count| room(count, false)), [false, false, true, true, true]);
-        assert!(!room(6, true), "a box is none");
-        assert!(!is_room(std::iter::empty(), ([0.0; 3], [0.0; 3])));
+        assert_eq!(
+            [1, 3, 4, 5, 6].map(|count| room(&sides[..count], false).is_some()),
+            [false, false, true, true, true]
+        );
+        assert_eq!(room(&sides, true), None, "a box is none");
+        assert_eq!(open_side(std::iter::empty(), ([0.0; 3], [0.0; 3])), None);
+        // The camera is where a side is missing; of a closed room, at the front.
+        assert_eq!(room(&sides, false), Some(OpenSide::FRONT));
+        let outwards = [DVec3::NEG_Y, DVec3::Y, DVec3::NEG_X, DVec3::X, DVec3::NEG_Z, DVec3::Z];
+        for (missing, outwards) in outwards.into_iter().enumerate() {
+            let others: Vec<_> = (0..6).filter(|&side| side != missing).map(|side| sides[side]).collect();
+            let open = room(&others, false).expect("five sides are a room");
+            assert_eq!((open.back, open.up.dot(open.back)), (outwards, 0.0));
+            let camera = framing(Some(([0.0; 3], [2.0, 1.0, 3.0])), Some(open));
+            let beyond = (DVec3::from_array(camera.position) - DVec3::new(1.0, 0.5, 1.5)).dot(outwards);
+            let [across, deep] = [[3.0, 0.5], [3.0, 0.5], [3.0, 1.0], [3.0, 1.0], [2.0, 1.5], [2.0, 1.5]][missing];
+            let expected = deep + 0.55 * across / libm::tan(20_f64.to_radians());
+            assert!((beyond - expected).abs() < 1e-12, "{missing}: {beyond}, not {expected}");
+        }
     }
 }

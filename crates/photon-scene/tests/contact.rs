@@ -46,7 +46,7 @@ fn heights(scene: &Scene, mesh: &str, place: &dyn Fn([f64; 3]) -> [f64; 3]) -> V
     let (view, units) = (scene.view(), scene.units());
     let normalised = |at: [f64; 3]| (DVec3::from(place(at)) - DVec3::from(units.center)) / units.scale;
     let from = normalised([0.013, 0.0, 0.017]);
-    let up = (normalised([0.013, 1.0, 0.017]) - from).normalize();
+    let up = (normalised([0.013, 1.0, 0.017]) - from).normalize_or_zero();
     (0..view.triangles.len() as u32)
         .filter(|&triangle| scene.mesh_of_triangle(triangle) == mesh)
         .filter_map(|triangle| {
@@ -64,7 +64,7 @@ fn heights(scene: &Scene, mesh: &str, place: &dyn Fn([f64; 3]) -> [f64; 3]) -> V
 /// Steps by which the surface of `high` is above that of `low`, in the plane y = 0: the least over all orders of meshes,
 /// and over the scene as it is, and turned, moved and scaled.
 fn clearance(parts: &[Add<'_>], low: &str, high: &str) -> f64 {
-    let turn = DMat3::from_axis_angle(DVec3::new(0.3, -0.7, 0.5).normalize(), 0.83);
+    let turn = DMat3::from_axis_angle(DVec3::new(0.3, -0.7, 0.5).normalize_or_zero(), 0.83);
     let mut least = f64::INFINITY;
     for (scale, is_turned) in [(1.0, false), (1e-3, true), (1e6, true)] {
         let place = |at: [f64; 3]| {

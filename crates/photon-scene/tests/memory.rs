@@ -98,9 +98,9 @@ fn webp(side: u32) -> Vec<u8> {
 }
 
 /// Radiance HDR without runs.
-fn hdr(side: u32) -> Vec<u8> {
-    let mut bytes = format!("#?RADIANCE\n\n-Y {side} +X {side}\n").into_bytes();
-    bytes.extend((0..side * side).flat_map(|at| [at as u8 | 128, 9, (at / 7) as u8, 128]));
+fn hdr(width: u32, height: u32) -> Vec<u8> {
+    let mut bytes = format!("#?RADIANCE\n\n-Y {height} +X {width}\n").into_bytes();
+    bytes.extend((0..width * height).flat_map(|at| [at as u8 | 128, 9, (at / 7) as u8, 128]));
     bytes
 }
 
@@ -284,7 +284,7 @@ fn no_more_is_allocated_than_the_limit() {
     for (name, bytes) in [
         ("png", png(256)),
         ("webp", webp(256)),
-        ("hdr", hdr(256)),
+        ("hdr", hdr(256, 256)),
         ("baseline.jpg", jpeg("baseline.jpg")),
         ("progressive.jpg", jpeg("progressive.jpg")),
     ] {
@@ -366,7 +366,7 @@ fn meshes_and_environments_count() {
     let (result, peak) = peak(|| within(&path, 4 << 20));
     assert!(result.is_ok() && peak <= 4 << 20, "{peak}");
     let mut report = LoadReport::default();
-    let path = folder.write("sky.hdr", hdr(256));
+    let path = folder.write("sky.hdr", hdr(362, 181));
     let options = |bytes| LoadOptions::default().with_memory(Some(bytes));
     let text = EnvironmentDesc::read_with(&path, &mut report, &options(3 << 20)).unwrap_err().to_string();
     assert!(text.contains("sky.hdr: the image of the environment needs"), "{text}");

@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let index = PointIndex::build(&photons, IndexKind::Morton)?;
     let mut nearest = vec![0_u32; queries.len() * K];
     // Rows of K photon indices, nearest first; the third argument is a limit on the squared distance.
-    index.nearest_many(&queries, K, f32::INFINITY, &mut nearest);
+    index.nearest_many(&queries, K, f32::INFINITY, &mut nearest)?;
 
     let photon_flux = FLUX / photons.len() as f64;
     let mut worst = 0.0_f64;

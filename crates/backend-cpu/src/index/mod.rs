@@ -245,13 +245,7 @@ impl PointIndex {
     /// # Panics
     ///
     /// If `out` does not have `queries.len() * k` elements.
-    pub fn nearest_many(
-        &self,
-        queries: &[[f32; 3]],
-        k: usize,
-        max_r2: f32,
-        out: &mut [u32],
-    ) -> Result<(), IndexError> {
+    pub fn nearest_many(&self, queries: &[[f32; 3]], k: usize, max_r2: f32, out: &mut [u32]) -> Result<(), IndexError> {
         assert_eq!(Some(out.len()), queries.len().checked_mul(k), "`out` must have k elements per query");
         if k == 0 {
             return Ok(());

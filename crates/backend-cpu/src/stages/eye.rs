@@ -1,8 +1,8 @@
 //! Camera paths, traced to the first diffuse surface.
 
 use photon_core::glam::Vec3;
-use photon_core::memory::{self, OutOfMemory};
 use photon_core::light_sampler::light_of_triangle;
+use photon_core::memory::{self, OutOfMemory};
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,

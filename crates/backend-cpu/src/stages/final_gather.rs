@@ -48,20 +48,24 @@ impl FinalGather<Cpu> for CpuGather {
                 (false, false) => follow::<false, false>,
             };
         on.pool.install(|| {
-            film.for_queries(queries.as_slice(), || scratch(maps), |scratch, _, query, pixel, errors| {
-                let key = query.path;
-                let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
-                let mut sum = Found::default();
-                for ray in 0..rays {
-                    let ray = (ray, rays, errors.is_some());
-                    let found = follow(scene, maps, query, sampler, ray, (max_bounces, pass, on_surface), scratch);
-                    sum.add(&found, 1.0 / f64::from(rays));
-                }
-                deposit(pixel, Layer::Indirect, query.throughput, sum.irradiance);
-                if let Some(errors) = errors {
-                    errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
-                }
-            })
+            film.for_queries(
+                queries.as_slice(),
+                || scratch(maps),
+                |scratch, _, query, pixel, errors| {
+                    let key = query.path;
+                    let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
+                    let mut sum = Found::default();
+                    for ray in 0..rays {
+                        let ray = (ray, rays, errors.is_some());
+                        let found = follow(scene, maps, query, sampler, ray, (max_bounces, pass, on_surface), scratch);
+                        sum.add(&found, 1.0 / f64::from(rays));
+                    }
+                    deposit(pixel, Layer::Indirect, query.throughput, sum.irradiance);
+                    if let Some(errors) = errors {
+                        errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
+                    }
+                },
+            )
         })?;
         scene.check_caster()
     }

@@ -3,7 +3,9 @@
 //! A damaged file costs no more than the compile time it would have saved.
 
 use std::ffi::OsString;
+use std::fs::TryLockError;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use super::logical::Limits;
 use super::module::Module;
@@ -13,6 +15,8 @@ const MARK: [u8; 8] = *b"photon\x00\x01";
 /// Length of the header: the magic bytes and a hash of the data. Drivers validate only the header of their own
 /// data.
 const HEAD: usize = 16;
+/// Longest time to wait for another process that stores its data.
+const PATIENCE: Duration = Duration::from_millis(500);
 
 /// The cache file of one device, driver and set of shaders.
 #[derive(Clone, Debug)]
@@ -52,16 +56,36 @@ impl DiskCache {
         Vec::new()
     }
 
+    /// Replaces the data by what `merged` makes of those that other processes may have stored meanwhile, unless that is
+    /// `None`. Processes do it one after another, where folders can be locked.
+    pub(crate) fn update(&self, merged: impl FnOnce(&[u8]) -> Option<Vec<u8>>) {
+        let folder = self.file.parent().unwrap_or(Path::new("."));
+        // Failure to store the cache is harmless.
+        if let Err(error) = std::fs::create_dir_all(folder) {
+            log::warn!("{}: the pipeline cache was not stored: {error}", self.file.display());
+            return;
+        }
+        let lock = std::fs::File::open(folder).ok();
+        let until = Instant::now() + PATIENCE;
+        while lock.as_ref().is_some_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
+            && Instant::now() < until
+        {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        if let Some(data) = merged(&self.read()) {
+            self.write(&data);
+        }
+    }
+
     /// Stores `data`: writes a new file beside the old one and renames it, so that no reader sees a partial
     /// file.
-    pub(crate) fn write(&self, data: &[u8]) {
+    fn write(&self, data: &[u8]) {
         let written = || {
             std::fs::create_dir_all(self.file.parent().unwrap_or(Path::new(".")))?;
             let beside = self.file.with_extension(format!("{}.new", std::process::id()));
             std::fs::write(&beside, [&head(data), data].concat())?;
             std::fs::rename(&beside, &self.file)
         };
-        // Failure to store the cache is harmless.
         if let Err(error) = written() {
             log::warn!("{}: the pipeline cache was not stored: {error}", self.file.display());
         }
@@ -193,7 +217,8 @@ mod tests {
         let make = |on: &mut Vulkan| {
             let mut pipelines = Pipelines::new(&on.device, Some(cache.clone())).unwrap();
             let begun = pipelines.begun_with();
-            pipelines.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
+            let kernel = pipelines.kernel(&shaders::DEVICE_COPY, 64, &());
+            pipelines.compiled(&kernel).unwrap();
             begun
         };
         assert_eq!(make(&mut on), 0);

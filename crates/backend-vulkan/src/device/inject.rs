@@ -11,13 +11,22 @@ pub(crate) struct Injection {
     submissions: AtomicU64,
     no_memory_at: AtomicU64,
     lost_at: AtomicU64,
+    #[cfg(test)]
+    refuses_kernels: std::sync::atomic::AtomicBool,
 }
 
 impl Default for Injection {
     fn default() -> Self {
         let [allocations, submissions] = [0, 0].map(AtomicU64::new);
         let [no_memory_at, lost_at] = [u64::MAX, u64::MAX].map(AtomicU64::new);
-        Self { allocations, submissions, no_memory_at, lost_at }
+        Self {
+            allocations,
+            submissions,
+            no_memory_at,
+            lost_at,
+            #[cfg(test)]
+            refuses_kernels: std::sync::atomic::AtomicBool::default(),
+        }
     }
 }
 
@@ -48,5 +57,18 @@ impl Injection {
     pub(crate) fn alive(&self) -> Result<()> {
         let (_, submissions) = self.counts();
         if submissions <= self.lost_at.load(Ordering::Relaxed) { Ok(()) } else { Err(Error::DeviceLost) }
+    }
+
+    /// Whether kernels fail to compile from now on.
+    #[cfg(test)]
+    pub(crate) fn refuse_kernels(&self, refuse: bool) {
+        self.refuses_kernels.store(refuse, Ordering::SeqCst);
+    }
+
+    /// An error if a kernel must fail to compile.
+    #[cfg(test)]
+    pub(crate) fn compile(&self) -> std::result::Result<(), ash::vk::Result> {
+        let refuses = self.refuses_kernels.load(Ordering::SeqCst);
+        if refuses { Err(ash::vk::Result::ERROR_INVALID_SHADER_NV) } else { Ok(()) }
     }
 }

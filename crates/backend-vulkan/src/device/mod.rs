@@ -4,6 +4,7 @@ pub(crate) mod buffer;
 
 mod cache;
 mod choose;
+mod compiler;
 mod fault;
 mod inject;
 mod instance;

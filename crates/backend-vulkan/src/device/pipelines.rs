@@ -8,16 +8,16 @@ use ash::vk;
 use photon_core::Result;
 
 use super::cache::DiskCache;
+use super::compiler::{Compiler, Job};
 use super::fault::during;
 use super::logical::Device;
 use super::module::Module;
-use super::specialize::specialize;
 use crate::specialization::Constants;
 
-/// A compiled kernel.
-#[derive(Clone, Copy, Debug)]
+/// A kernel, which may still be compiling.
+#[derive(Clone, Debug)]
 pub(crate) struct ComputePipeline {
-    pub(crate) pipeline: vk::Pipeline,
+    job: Arc<Job>,
     pub(crate) name: &'static str,
     /// Specialization constant 1.
     pub(crate) workgroup: u32,
@@ -26,19 +26,21 @@ pub(crate) struct ComputePipeline {
 /// The name of a module, and ids and values of its specialization constants, the workgroup size first.
 pub(crate) type Specialized = (&'static str, Vec<(u32, u32)>);
 
-/// All pipelines compiled so far.
+/// All pipelines requested so far.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     device: Arc<Device>,
     /// No descriptor sets, 128 bytes of push constants: the same for every kernel.
     pub(crate) layout: vk::PipelineLayout,
     cache: vk::PipelineCache,
-    disk: Option<DiskCache>,
+    compiler: Compiler,
     #[cfg(test)]
     begun_with: usize,
-    compiled: BTreeMap<Specialized, ComputePipeline>,
-    fresh: bool,
-    /// Seconds spent on compiling since they were last asked for.
+    requested: BTreeMap<Specialized, ComputePipeline>,
+    /// Kernels requested since [`Pipelines::all_announced`].
+    #[cfg(test)]
+    late: Option<Vec<Specialized>>,
+    /// Seconds spent on waiting for kernels since they were last asked for.
     seconds: f64,
 }
 
@@ -59,57 +61,72 @@ impl Pipelines {
             device: device.clone(),
             layout,
             cache,
-            disk,
+            compiler: Compiler::new(device, layout, cache, disk),
             #[cfg(test)]
             begun_with: old.len(),
-            compiled: BTreeMap::new(),
-            fresh: false,
+            requested: BTreeMap::new(),
+            #[cfg(test)]
+            late: None,
             seconds: 0.0,
         })
     }
 
-    /// The kernel of a module, compiled if necessary.
+    /// The kernel of a module. Begins to compile it unless it was requested before, and does not wait.
     pub(crate) fn kernel<C: Constants>(
         &mut self,
         module: &'static Module,
         workgroup: u32,
         constants: &C,
-    ) -> Result<ComputePipeline> {
+    ) -> ComputePipeline {
         let constants = constants.words();
         let listed = C::MODULES.iter().any(|known| known.name == module.name);
         debug_assert!(listed || constants.is_empty(), "constants of other modules than {}", module.name);
         let constants: Vec<_> = [(1, workgroup)].into_iter().chain(constants).collect();
-        let key = (module.name, constants.clone());
-        if let Some(kernel) = self.compiled.get(&key) {
-            return Ok(*kernel);
+        let key = (module.name, constants);
+        if let Some(kernel) = self.requested.get(&key) {
+            return kernel.clone();
         }
-        let begun = Instant::now();
-        let keep = self.device.limits.keeps_denormals;
-        let words = if keep { module.words_that_keep_denormals() } else { module.words() };
-        let words = specialize(&words, &constants);
-        let info = vk::ShaderModuleCreateInfo::default().code(&words);
-        // SAFETY: the backend's own SPIR-V, validated when it was committed.
-        let shader = unsafe { self.device.raw.create_shader_module(&info, None) }.map_err(during(module.name))?;
-        self.device.name(shader, module.name);
-        let stage = vk::PipelineShaderStageCreateInfo::default()
-            .stage(vk::ShaderStageFlags::COMPUTE)
-            .module(shader)
-            .name(c"main");
-        let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
-        // SAFETY: everything the structures point to outlives the call.
-        let made = unsafe { self.device.raw.create_compute_pipelines(self.cache, &info, None) };
-        // SAFETY: a pipeline does not need its module once it is created.
-        unsafe { self.device.raw.destroy_shader_module(shader, None) };
-        let pipeline = made.map_err(|(_, result)| during(module.name)(result))?[0];
-        self.device.name(pipeline, module.name);
-        self.fresh = true;
-        let kernel = ComputePipeline { pipeline, name: module.name, workgroup };
-        self.compiled.insert(key, kernel);
-        self.seconds += begun.elapsed().as_secs_f64();
-        Ok(kernel)
+        #[cfg(test)]
+        if let Some(late) = &mut self.late {
+            late.push(key.clone());
+        }
+        let job = self.compiler.add(module, key.1.clone());
+        let kernel = ComputePipeline { job, name: module.name, workgroup };
+        self.requested.insert(key, kernel.clone());
+        kernel
     }
 
-    /// Seconds spent on compiling since the last call.
+    /// The pipeline of a kernel, for which it waits.
+    pub(crate) fn compiled(&mut self, kernel: &ComputePipeline) -> Result<vk::Pipeline> {
+        let made = kernel.job.made().unwrap_or_else(|| {
+            let begun = Instant::now();
+            let made = self.compiler.wait(&kernel.job);
+            self.seconds += begun.elapsed().as_secs_f64();
+            made
+        });
+        made.map_err(during(kernel.name))
+    }
+
+    /// Waits for all requested kernels.
+    pub(crate) fn wait_for_all(&mut self) -> Result<()> {
+        let all: Vec<_> = self.requested.values().cloned().collect();
+        all.iter().try_for_each(|kernel| self.compiled(kernel).map(drop))
+    }
+
+    /// Says that all kernels of the next passes are requested: the cache file is written once they are compiled.
+    pub(crate) fn all_announced(&mut self) {
+        self.compiler.save_when_done();
+        #[cfg(test)]
+        self.late.get_or_insert_default().clear();
+    }
+
+    /// Kernels that were requested without being announced.
+    #[cfg(test)]
+    pub(crate) fn late(&self) -> &[Specialized] {
+        self.late.as_deref().unwrap_or_default()
+    }
+
+    /// Seconds spent on waiting for kernels since the last call.
     pub(crate) fn take_seconds(&mut self) -> f64 {
         std::mem::take(&mut self.seconds)
     }
@@ -120,30 +137,20 @@ impl Pipelines {
         self.begun_with
     }
 
-    /// Compiled pipelines: modules and their constants.
+    /// Requested pipelines: modules and their constants.
     #[cfg(test)]
-    pub(crate) fn compiled(&self) -> impl Iterator<Item = &Specialized> {
-        self.compiled.keys()
-    }
-
-    fn save(&self) {
-        let Some(disk) = &self.disk else { return };
-        // SAFETY: the cache is alive.
-        if let Ok(data) = unsafe { self.device.raw.get_pipeline_cache_data(self.cache) } {
-            disk.write(&data);
-        }
+    pub(crate) fn requested(&self) -> impl Iterator<Item = &Specialized> {
+        self.requested.keys()
     }
 }
 
 impl Drop for Pipelines {
     fn drop(&mut self) {
-        if self.fresh {
-            self.save();
-        }
+        self.compiler.finish();
         // SAFETY: the owner has waited for the device.
         unsafe {
-            for kernel in self.compiled.values() {
-                self.device.raw.destroy_pipeline(kernel.pipeline, None);
+            for pipeline in self.requested.values().filter_map(|kernel| kernel.job.made()?.ok()) {
+                self.device.raw.destroy_pipeline(pipeline, None);
             }
             self.device.raw.destroy_pipeline_cache(self.cache, None);
             self.device.raw.destroy_pipeline_layout(self.layout, None);

@@ -12,7 +12,6 @@ use photon_core::Result;
 
 use super::logical::Device;
 use super::memory::Memory;
-use super::pipelines::ComputePipeline;
 use super::queue::Queue;
 
 /// Commands after which a submission is made, so that the device starts while the host goes on recording.
@@ -90,7 +89,7 @@ impl Recorder {
     pub(crate) fn dispatch(
         &mut self,
         layout: vk::PipelineLayout,
-        kernel: &ComputePipeline,
+        pipeline: vk::Pipeline,
         push: &[u8],
         groups: Groups<'_>,
     ) -> Result<()> {
@@ -99,7 +98,7 @@ impl Recorder {
         // SAFETY: the pipeline and the layout are alive; push constants fit the range of 128 bytes,
         // which `Vulkan::dispatch` checks.
         unsafe {
-            device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, kernel.pipeline);
+            device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline);
             device.cmd_push_constants(commands, layout, vk::ShaderStageFlags::COMPUTE, 0, push);
             match groups {
                 Groups::Flat(count) => {

@@ -28,7 +28,7 @@ fn commands_wait_for_each_other() {
     const COUNT: u32 = 100_000;
     let ping = on.memory("ping", u64::from(COUNT) * 4).unwrap();
     let pong = on.memory("pong", u64::from(COUNT) * 4).unwrap();
-    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &());
     on.fill_words(&ping, 0, u64::from(COUNT) * 4, 7).unwrap();
     for turn in 0..600 {
         let (from, to) = if turn % 2 == 0 { (&ping, &pong) } else { (&pong, &ping) };
@@ -85,7 +85,7 @@ fn a_buffer_larger_than_any_allocation_is_an_error() {
 #[test]
 fn dropped_memory_lives_until_it_is_done_with() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &());
     let last = on.memory("last", 4096).unwrap();
     for turn in 0..40 {
         let first = on.memory("first", 4096).unwrap();
@@ -185,7 +185,7 @@ fn every_object_has_a_name() {
     let Some(mut on) = Vulkan::for_tests() else { return };
     let memory = on.memory("a label", 1 << 20).unwrap();
     on.mark(Some(Stage::Build));
-    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &()).unwrap();
+    let kernel = on.kernel(&shaders::DEVICE_COPY, 64, &());
     let push = CopyPush { from: memory.address(), to: memory.address(), count: 0, plus: 0 };
     on.dispatch(&kernel, &push, 1).unwrap();
     on.mark(None);
@@ -215,8 +215,10 @@ fn every_object_has_a_name() {
 #[test]
 fn pipelines_are_compiled_once() {
     let Some(mut on) = Vulkan::for_tests() else { return };
-    let mut pipeline =
-        |module, workgroup, key_words| on.kernel(module, workgroup, &KeyConstants { key_words }).unwrap().pipeline;
+    let mut pipeline = |module, workgroup, key_words| {
+        let kernel = on.kernel(module, workgroup, &KeyConstants { key_words });
+        on.pipeline(&kernel).unwrap()
+    };
     let first = pipeline(&shaders::SORT_COUNT, 64, 1);
     assert_eq!(first, pipeline(&shaders::SORT_COUNT, 64, 1));
     assert_ne!(first, pipeline(&shaders::SORT_COUNT, 32, 1));
@@ -286,4 +288,21 @@ fn what_is_left_over_is_a_message_too() {
     on.device.name(left, "left over");
     assert_eq!(on.validation_messages(), Vec::<String>::new());
     assert_fails(on);
+}
+
+/// A kernel that the driver refuses is an error of whoever dispatches it, each time; others are not affected.
+#[test]
+fn a_kernel_that_does_not_compile_is_an_error() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    on.device.injection.refuse_kernels(true);
+    let refused = on.kernel(&shaders::DEVICE_COPY, 64, &());
+    for _ in 0..2 {
+        let error = on.pipeline(&refused).unwrap_err();
+        assert!(matches!(&error, photon_core::Error::Backend { .. }), "{error:?}");
+        let source = std::error::Error::source(&error).unwrap().to_string();
+        assert!(source.contains("device_copy"), "{source}");
+    }
+    on.device.injection.refuse_kernels(false);
+    let made = on.kernel(&shaders::DEVICE_COPY, 32, &());
+    assert!(on.pipeline(&made).is_ok());
 }

@@ -1,9 +1,10 @@
 //! Radii of pixels, updated on the device from the sums that are there. Twin of photon-core's `PixelRadii`, in f32.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{MapKind, RadiusUpdate, Result};
+use photon_core::{Layer, MapKind, PerMap, RadiusUpdate, Result};
 
 use super::{GROUP, VulkanFilm, zeroed};
+use crate::device::ComputePipeline;
 use crate::device::buffer::VulkanBuffer;
 use crate::shaders;
 use crate::vulkan::Vulkan;
@@ -76,16 +77,25 @@ pub(super) fn update(
         bias: update.bias as f32,
         noise: update.noise as f32,
     };
-    let constants = BandwidthConstants { layers: film.layer_bits(), maps };
-    let kernels = [
-        on.kernel(&shaders::FILM_BANDWIDTH_BIAS, GROUP, &())?,
-        on.kernel(&shaders::FILM_BANDWIDTH_CHANGE, GROUP, &constants)?,
-        on.kernel(&shaders::FILM_BANDWIDTH_FACTOR, GROUP, &())?,
-    ];
+    let kernels = kernels(on, film.layer_bits(), maps);
     for kernel in &kernels {
         on.dispatch(kernel, &push, pixels.div_ceil(u64::from(GROUP)))?;
     }
     Ok(true)
+}
+
+/// The kernels, for a film with these layers and moments of these maps.
+fn kernels(on: &mut Vulkan, layers: u32, maps: u32) -> [ComputePipeline; 3] {
+    [
+        on.kernel(&shaders::FILM_BANDWIDTH_BIAS, GROUP, &()),
+        on.kernel(&shaders::FILM_BANDWIDTH_CHANGE, GROUP, &BandwidthConstants { layers, maps }),
+        on.kernel(&shaders::FILM_BANDWIDTH_FACTOR, GROUP, &()),
+    ]
+}
+
+/// Requests the kernels for a film with these layers and moments of these maps.
+pub(crate) fn announce(on: &mut Vulkan, layers: &[Layer], maps: PerMap<bool>) {
+    kernels(on, layers.iter().fold(0, |bits, &layer| bits | 1 << layer as u32), maps.bits());
 }
 
 #[cfg(test)]

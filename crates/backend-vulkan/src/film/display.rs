@@ -60,7 +60,7 @@ pub(super) fn read(on: &mut Vulkan, film: &mut VulkanFilm, display: &Display, cl
         is_transparent: display.transparent,
         is_clamped: clamp,
     };
-    let kernel = on.kernel(&shaders::FILM_DISPLAY, GROUP, &constants)?;
+    let kernel = on.kernel(&shaders::FILM_DISPLAY, GROUP, &constants);
     on.dispatch(&kernel, &push, pixels.div_ceil(u64::from(GROUP)))?;
     let mut bytes = vec![[0; 4]; pixels as usize];
     on.read(shown, 0, bytemuck::cast_slice_mut(&mut bytes))?;

@@ -10,8 +10,8 @@ use crate::constants::{
     ERROR_BIAS, ERROR_BIAS_SQUARE, ERROR_LOW, ERROR_NARROW, ERROR_NARROW_SQUARE, MOMENTS_LOW, MOMENTS_POWER,
     MOMENTS_POWER_SQUARED, MOMENTS_QUADRUPOLE, MOMENTS_SLOPE, MOMENTS_STRAY,
 };
-use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -171,8 +171,29 @@ fn dispatch(
     };
     film.note(on);
     let length = on.length(queries)?;
-    let kernel = on.kernel(&shaders::FILM_ERRORS, GROUP, &AccumulateConstants { from })?;
+    let kernel = accumulate_kernel(on, from);
     on.dispatch(&kernel, &push, length.div_ceil(u64::from(GROUP)))
+}
+
+fn accumulate_kernel(on: &mut Vulkan, from: u32) -> ComputePipeline {
+    on.kernel(&shaders::FILM_ERRORS, GROUP, &AccumulateConstants { from })
+}
+
+fn end_kernel(on: &mut Vulkan, maps: u32) -> ComputePipeline {
+    on.kernel(&shaders::FILM_END_ERRORS, GROUP, &EndConstants { maps })
+}
+
+/// Requests the kernels for errors of estimates from the `shown` maps, and of what is gathered.
+pub(crate) fn announce(on: &mut Vulkan, shown: PerMap<bool>, gathers: bool) {
+    if shown.any() {
+        accumulate_kernel(on, FROM_MOMENTS);
+    }
+    let mut maps = shown;
+    if gathers {
+        accumulate_kernel(on, FROM_GATHERED);
+        maps[MapKind::Global] = true;
+    }
+    end_kernel(on, maps.bits());
 }
 
 /// Adds the current pass to the sums and starts the next one.
@@ -194,7 +215,7 @@ pub(super) fn end_pass(on: &mut Vulkan, film: &VulkanFilm) -> Result<()> {
         padding: 0,
     };
     let maps = errors.photon_moments.each_ref().map(Option::is_some).bits();
-    let kernel = on.kernel(&shaders::FILM_END_ERRORS, GROUP, &EndConstants { maps })?;
+    let kernel = end_kernel(on, maps);
     on.dispatch(&kernel, &push, film.pixels().div_ceil(u64::from(GROUP)))
 }
 

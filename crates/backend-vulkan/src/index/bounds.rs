@@ -1,10 +1,10 @@
 //! The bounding box of all photons, and whether they are finite.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result};
+use photon_core::{Photon, PhotonFormat, Result};
 
-use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -15,7 +15,6 @@ const WORKGROUP: u32 = 256;
 /// Computes the bounding box.
 #[derive(Debug)]
 pub(crate) struct BoundsOf {
-    workgroup: u32,
     /// The twin of `MapState`.
     pub(crate) state: Memory,
 }
@@ -32,17 +31,22 @@ struct BoundsPush {
 
 pushed!(bounds_push_layout: BoundsPush => INDEX_BOUNDS, photons state photon_count count stride);
 
+/// The kernel.
+pub(super) fn kernel(on: &mut Vulkan, format: PhotonFormat) -> ComputePipeline {
+    let workgroup = WORKGROUP.min(on.limits().max_workgroup);
+    super::reading(on, &shaders::INDEX_BOUNDS, workgroup, format)
+}
+
 impl BoundsOf {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let workgroup = WORKGROUP.min(on.limits().max_workgroup);
-        Ok(Self { workgroup, state: on.memory("map: box", 32)? })
+        Ok(Self { state: on.memory("map: box", 32)? })
     }
 
     /// Stores the bounding box in `state`, and marks non-finite photons in the photons' count.
     pub(crate) fn find(&self, on: &mut Vulkan, photons: &VulkanBuffer<Photon>, length: u64) -> Result<()> {
         let none = [u32::MAX, u32::MAX, u32::MAX, 0, 0, 0, 0, 0];
         on.write(&self.state, 0, bytemuck::cast_slice(&none))?;
-        let kernel = super::reading(on, &shaders::INDEX_BOUNDS, self.workgroup, photons)?;
+        let kernel = kernel(on, photons.photon_format());
         let size = u64::from(kernel.workgroup);
         let groups = length.div_ceil(size).min(GROUPS);
         let push = BoundsPush {

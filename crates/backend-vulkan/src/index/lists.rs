@@ -1,12 +1,12 @@
 //! Photon indices sorted by x, by y and by z: the input of kd-tree construction.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result};
+use photon_core::{Photon, PhotonFormat, Result};
 
 use super::map_storage::grow;
 use crate::constants::{LIST_SHORT, LIST_TILE};
-use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
+use crate::device::{ComputePipeline, Memory};
 use crate::shaders;
 use crate::sort::{Pairs, Sort};
 use crate::vulkan::Vulkan;
@@ -39,6 +39,11 @@ struct KeysPush {
 
 pushed!(keys_push_layout: KeysPush => INDEX_KEYS, photons keys count axis);
 
+/// The kernel that computes keys.
+pub(super) fn kernel(on: &mut Vulkan, format: PhotonFormat) -> ComputePipeline {
+    super::reading(on, &shaders::INDEX_KEYS, WORKGROUP, format)
+}
+
 impl Lists {
     pub(super) fn new(on: &mut Vulkan) -> Result<Self> {
         Ok(Self {
@@ -61,7 +66,7 @@ impl Lists {
             grow(on, &mut self.keys[at], "map: keys", 4 * length)?;
             grow(on, &mut self.lists[at], "map: lists", 4 * count * length)?;
         }
-        let keys_of = super::reading(on, &shaders::INDEX_KEYS, WORKGROUP, photons)?;
+        let keys_of = kernel(on, photons.photon_format());
         let keys = [0, 1].map(|at: usize| self.keys[at].address());
         self.at = 0;
         for axis in 0..3 {

@@ -3,7 +3,7 @@
 //! workgroup each.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result};
+use photon_core::{Photon, PhotonFormat, Result};
 
 use super::WIDTH;
 use super::bounds::BoundsOf;
@@ -77,13 +77,19 @@ struct FinishPush {
 
 pushed!(finish_push_layout: FinishPush => INDEX_MEDIAN_FINISH, photons lists places order count pad);
 
+/// Kernels: that which divides segments, and that which arranges short ones.
+pub(super) fn kernels(on: &mut Vulkan, format: PhotonFormat) -> [ComputePipeline; 2] {
+    [&shaders::INDEX_MEDIAN_SIDES, &shaders::INDEX_MEDIAN_FINISH]
+        .map(|module| super::reading(on, module, WORKGROUP, format))
+}
+
 impl Median {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             lists: Lists::new(on)?,
-            count: on.kernel(&shaders::INDEX_MEDIAN_COUNT, WORKGROUP, &())?,
-            part: on.kernel(&shaders::INDEX_MEDIAN_PART, WORKGROUP, &())?,
+            count: on.kernel(&shaders::INDEX_MEDIAN_COUNT, WORKGROUP, &()),
+            part: on.kernel(&shaders::INDEX_MEDIAN_PART, WORKGROUP, &()),
             right: on.memory("map: sides", 16)?,
             counts: on.memory("map: counts", 16)?,
         })
@@ -98,8 +104,7 @@ impl Median {
         self.bounds.find(on, photons, length)?;
         self.lists.fill(on, photons, length, 3)?;
 
-        let sides = super::reading(on, &shaders::INDEX_MEDIAN_SIDES, WORKGROUP, photons)?;
-        let finish = super::reading(on, &shaders::INDEX_MEDIAN_FINISH, WORKGROUP, photons)?;
+        let [sides, finish] = kernels(on, photons.photon_format());
         let (data, count) = (photons.data_address(), length as u32);
         let (right, counts, tiles_word) = (self.right.address(), self.counts.address(), tiles as u32);
         // A segment of more than 16·2^j photons has a left part of exactly this size, which is constant per

@@ -36,14 +36,29 @@ specialized!(
     2 format: PhotonFormat
 );
 
-/// The kernel of a module that reads photons, specialized to the photon format of a buffer.
-fn reading(
-    on: &mut Vulkan,
-    module: &'static Module,
-    workgroup: u32,
-    photons: &VulkanBuffer<Photon>,
-) -> Result<ComputePipeline> {
-    on.kernel(module, workgroup, &ReadingConstants { format: photons.photon_format() })
+/// The kernel of a module that reads photons of a format.
+fn reading(on: &mut Vulkan, module: &'static Module, workgroup: u32, format: PhotonFormat) -> ComputePipeline {
+    on.kernel(module, workgroup, &ReadingConstants { format })
+}
+
+/// Requests the kernels that read photons of a format; the others are requested when a builder is made.
+pub(crate) fn announce(on: &mut Vulkan, kind: IndexKind, format: PhotonFormat) -> Result<()> {
+    bounds::kernel(on, format);
+    regular::kernel(on, format);
+    match kind {
+        IndexKind::Median => {
+            lists::kernel(on, format);
+            median::kernels(on, format);
+        }
+        IndexKind::Vvh => {
+            lists::kernel(on, format);
+            vvh::kernels(on, format);
+        }
+        IndexKind::Morton => {
+            morton::kernels(on, format)?;
+        }
+    }
+    Ok(())
 }
 
 /// Builds photon maps.
@@ -72,7 +87,7 @@ impl VulkanBuilder {
             IndexKind::Vvh => Arrange::Vvh(Box::new((Vvh::new(on)?, VvhNodes::new(on)?))),
             IndexKind::Morton => Arrange::Morton(Box::new(Morton::new(on)?)),
         };
-        Ok(Self { kind, arrange, regular: Regular::new(on)?, spare: Vec::new() })
+        Ok(Self { kind, arrange, regular: Regular::new(on), spare: Vec::new() })
     }
 }
 

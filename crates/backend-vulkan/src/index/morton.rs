@@ -4,7 +4,7 @@
 //! are empty dispatches.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result};
+use photon_core::{Photon, PhotonFormat, Result};
 
 use super::WIDTH;
 use super::bounds::BoundsOf;
@@ -28,8 +28,6 @@ pub(crate) struct Morton {
     pub(super) bounds: BoundsOf,
     pub(super) gather: ComputePipeline,
     long_runs: ComputePipeline,
-    /// Workgroup size of the kernel that sorts a run.
-    tile: u32,
     sort: Sort,
     /// Two words per photon each: the keys being sorted, and both words of the codes.
     keys: Memory,
@@ -98,17 +96,31 @@ pushed!(
     photons ids other_ids codes other_codes round runs next_round next_runs
 );
 
+fn workgroup(on: &Vulkan) -> u32 {
+    WORKGROUP.min(on.limits().max_workgroup)
+}
+
+/// Kernels: that which computes codes, and that which sorts runs.
+///
+/// # Errors
+/// The device does not support workgroups of that size.
+pub(super) fn kernels(on: &mut Vulkan, format: PhotonFormat) -> Result<[ComputePipeline; 2]> {
+    let (size, tile) = (workgroup(on), sort::workgroup(on)?);
+    Ok([
+        super::reading(on, &shaders::INDEX_CODES, size, format),
+        super::reading(on, &shaders::INDEX_REFINE, tile, format),
+    ])
+}
+
 impl Morton {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let size = WORKGROUP.min(on.limits().max_workgroup);
-        let tile = sort::workgroup(on)?;
+        let size = workgroup(on);
         let two =
             |on: &mut Vulkan, label| -> Result<[Memory; 2]> { Ok([on.memory(label, 16)?, on.memory(label, 16)?]) };
         Ok(Self {
             bounds: BoundsOf::new(on)?,
-            gather: on.kernel(&shaders::INDEX_PERMUTE, size, &())?,
-            long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, size, &())?,
-            tile,
+            gather: on.kernel(&shaders::INDEX_PERMUTE, size, &()),
+            long_runs: on.kernel(&shaders::INDEX_LONG_RUNS, size, &()),
             sort: Sort::new(on)?,
             keys: on.memory("map: keys", 16)?,
             words: on.memory("map: codes", 16)?,
@@ -145,7 +157,7 @@ impl Morton {
         let groups = |kernel: &ComputePipeline| length.div_ceil(u64::from(kernel.workgroup));
         let state = self.bounds.state.address();
         let push = CodesPush { photons: data, state, keys: keys[0], low, high, count, pad: 0 };
-        let codes = super::reading(on, &shaders::INDEX_CODES, self.gather.workgroup, photons)?;
+        let [codes, refine] = kernels(on, photons.photon_format())?;
         on.dispatch(&codes, &push, groups(&codes))?;
         let pairs = Pairs { keys, values, count: length, words: 1, bits: 32, numbered: true, forget_keys: true };
         if self.sort.pairs(on, &pairs)? == 1 {
@@ -167,7 +179,6 @@ impl Morton {
             let here = usize::from(self.ids[0].address() != order);
             self.oversized_runs(on, photons, &self.ids[here], depth)?;
         }
-        let refine = super::reading(on, &shaders::INDEX_REFINE, self.tile, photons)?;
         for number in 0..ROUNDS {
             let push = RefinePush {
                 photons: data,

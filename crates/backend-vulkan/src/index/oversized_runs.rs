@@ -73,7 +73,7 @@ impl Morton {
         depth: u64,
     ) -> Result<()> {
         let picked = VulkanBuffer::<Photon>::new(on, "photons of one code", length)?;
-        let pick = super::reading(on, &shaders::INDEX_PICK, self.gather.workgroup, photons)?;
+        let pick = super::reading(on, &shaders::INDEX_PICK, self.gather.workgroup, photons.photon_format());
         let groups = |kernel: &ComputePipeline| length.div_ceil(u64::from(kernel.workgroup));
         let (ids, count) = (order.address() + 4 * first, length as u32);
         let capacity = photons.capacity() as u32;

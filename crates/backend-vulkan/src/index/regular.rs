@@ -2,7 +2,7 @@
 //! level, each level contiguous, the root first.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result};
+use photon_core::{Photon, PhotonFormat, Result};
 
 use super::WIDTH;
 use super::map_storage::MapStorage;
@@ -16,8 +16,6 @@ const WORKGROUP: u32 = 256;
 /// Copies photons into their slots and computes the bounding boxes of nodes.
 #[derive(Debug)]
 pub(crate) struct Regular {
-    /// Workgroup size of the kernel that fills slots.
-    workgroup: u32,
     parents: ComputePipeline,
 }
 
@@ -64,10 +62,18 @@ pub(crate) struct Ordered<'a> {
     pub(crate) storage: &'a MapStorage,
 }
 
+fn workgroup(on: &Vulkan) -> u32 {
+    WORKGROUP.min(on.limits().max_workgroup)
+}
+
+/// The kernel that fills slots.
+pub(super) fn kernel(on: &mut Vulkan, format: PhotonFormat) -> ComputePipeline {
+    super::reading(on, &shaders::INDEX_ARRANGE, workgroup(on), format)
+}
+
 impl Regular {
-    pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
-        let size = WORKGROUP.min(on.limits().max_workgroup);
-        Ok(Self { workgroup: size, parents: on.kernel(&shaders::INDEX_PARENTS, size, &())? })
+    pub(crate) fn new(on: &mut Vulkan) -> Self {
+        Self { parents: on.kernel(&shaders::INDEX_PARENTS, workgroup(on), &()) }
     }
 
     /// Number of nodes per level, leaves first.
@@ -98,7 +104,7 @@ impl Regular {
             count: length as u32,
             capacity: photons.capacity() as u32,
         };
-        let arrange = super::reading(on, &shaders::INDEX_ARRANGE, self.workgroup, photons)?;
+        let arrange = kernel(on, photons.photon_format());
         on.dispatch(&arrange, &push, length.div_ceil(u64::from(arrange.workgroup)))
     }
 

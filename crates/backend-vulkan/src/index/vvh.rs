@@ -4,7 +4,7 @@
 //! them empty dispatches.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Photon, Result, kd_tree};
+use photon_core::{Photon, PhotonFormat, Result, kd_tree};
 
 use super::WIDTH;
 use super::bounds::BoundsOf;
@@ -137,6 +137,21 @@ fn levels(length: u64) -> u64 {
     if length > SHORT { HEURISTIC_DEPTH + u64::from(halvings) } else { 0 }
 }
 
+/// The kernel that plans splits.
+fn plan(on: &mut Vulkan, format: PhotonFormat) -> ComputePipeline {
+    super::reading(on, &shaders::INDEX_VVH_PLAN, PLAN_WORKGROUP, format)
+}
+
+/// The kernel that arranges short segments.
+fn finish(on: &mut Vulkan, format: PhotonFormat) -> ComputePipeline {
+    super::reading(on, &shaders::INDEX_VVH_FINISH, WORKGROUP, format)
+}
+
+/// Both kernels that read photons.
+pub(super) fn kernels(on: &mut Vulkan, format: PhotonFormat) -> [ComputePipeline; 2] {
+    [plan(on, format), finish(on, format)]
+}
+
 impl Vvh {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         let mut memory = |label| on.memory(label, 32);
@@ -147,9 +162,9 @@ impl Vvh {
         Ok(Self {
             bounds: BoundsOf::new(on)?,
             lists: Lists::new(on)?,
-            sides: on.kernel(&shaders::INDEX_VVH_SIDES, WORKGROUP, &())?,
-            count: on.kernel(&shaders::INDEX_VVH_COUNT, WORKGROUP, &())?,
-            part: on.kernel(&shaders::INDEX_VVH_PART, WORKGROUP, &())?,
+            sides: on.kernel(&shaders::INDEX_VVH_SIDES, WORKGROUP, &()),
+            count: on.kernel(&shaders::INDEX_VVH_COUNT, WORKGROUP, &()),
+            part: on.kernel(&shaders::INDEX_VVH_PART, WORKGROUP, &()),
             levels,
             jobs,
             segments,
@@ -210,7 +225,7 @@ impl Vvh {
             count: length as u32,
             pad: 0,
         };
-        let finish = super::reading(on, &shaders::INDEX_VVH_FINISH, WORKGROUP, photons)?;
+        let finish = self::finish(on, photons.photon_format());
         on.dispatch_indirect(&finish, &push, &self.levels, LEVEL * (count + 1))?;
         Ok(order)
     }
@@ -245,7 +260,7 @@ impl Vvh {
             count,
             parity: (1 - self.lists.at as u32) << 31,
         };
-        let plan = super::reading(on, &shaders::INDEX_VVH_PLAN, PLAN_WORKGROUP, photons)?;
+        let plan = self::plan(on, photons.photon_format());
         on.dispatch_indirect(&plan, &push, &self.levels, LEVEL * level)?;
         on.fill_words(&self.right, 0, 4 * length.div_ceil(32), 0)?;
         let push = SidesPush { lists, segments, jobs, tiles, right, count, pad: 0 };

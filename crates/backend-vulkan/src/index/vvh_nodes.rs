@@ -58,8 +58,8 @@ pushed!(boxes_push_layout: BoxesPush => INDEX_VVH_BOXES, depth pending nodes tot
 impl VvhNodes {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {
         Ok(Self {
-            collapse: on.kernel(&shaders::INDEX_VVH_COLLAPSE, WORKGROUP, &())?,
-            boxes: on.kernel(&shaders::INDEX_VVH_BOXES, WORKGROUP, &())?,
+            collapse: on.kernel(&shaders::INDEX_VVH_COLLAPSE, WORKGROUP, &()),
+            boxes: on.kernel(&shaders::INDEX_VVH_BOXES, WORKGROUP, &()),
             depths: on.memory("map: levels", 32)?,
             pending: on.memory("map: pending nodes", 32)?,
             leaves: on.memory("map: leaves", 32)?,

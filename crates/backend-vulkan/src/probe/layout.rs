@@ -149,7 +149,7 @@ fn arrays_of_records_are_copied_whole() {
         let to = on.memory("to", from.bytes()).unwrap();
         on.write(&from, 0, bytemuck::cast_slice(&sent)).unwrap();
         on.fill_words(&to, 0, to.bytes(), 0).unwrap();
-        let kernel = on.kernel(&shaders::PROBE_LAYOUT, 64, &LayoutConstants { record: number as u32 }).unwrap();
+        let kernel = on.kernel(&shaders::PROBE_LAYOUT, 64, &LayoutConstants { record: number as u32 });
         let push = Push { from: from.address(), to: to.address(), count: COUNT, padding: 0 };
         on.dispatch(&kernel, &push, u64::from(COUNT.div_ceil(64))).unwrap();
         let mut arrived = vec![0_u32; sent.len()];

@@ -99,7 +99,7 @@ fn dispatch(
     let to = on.memory("outputs", (inputs.len() * size_of::<Output>()) as u64)?;
     on.write(&from, 0, bytemuck::cast_slice(inputs))?;
     on.fill_words(&to, 0, to.bytes(), u32::MAX)?;
-    let kernel = on.kernel(module, 64, constants)?;
+    let kernel = on.kernel(module, 64, constants);
     let count = inputs.len() as u32;
     let push = Push { inputs: from.address(), outputs: to.address(), count, padding: 0 };
     on.dispatch(&kernel, &push, u64::from(count.div_ceil(64)))?;

@@ -3,8 +3,9 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{AreaProbe, EstimateBuffers, EstimateParams, Features, Pass, Query, Result};
 
+use crate::device::ComputePipeline;
 use crate::device::buffer::VulkanBuffer;
-use crate::scene::VulkanScene;
+use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -44,6 +45,18 @@ specialized!(
     0 features: Features, 2 kernel: u32, 3 flat: bool, 4 second: bool, 5 reflections: bool; default shared_groups
 );
 
+/// The kernel, with or without the moments of errors.
+pub(crate) fn kernel(on: &mut Vulkan, scene: &SceneKind, gather: &EstimateParams, moments: bool) -> ComputePipeline {
+    let constants = AreaConstants {
+        features: scene.features,
+        kernel: gather.kernel.number(),
+        flat: gather.is_flat(),
+        second: moments,
+        reflections: gather.reflection,
+    };
+    on.kernel(&shaders::STAGES_AREA, GROUP, &constants)
+}
+
 impl AreaProbe<Vulkan> for VulkanArea {
     fn correct(
         &mut self,
@@ -55,14 +68,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
         buffers: EstimateBuffers<'_, Vulkan>,
     ) -> Result<()> {
         let EstimateBuffers { estimates, error_moments } = buffers;
-        let constants = AreaConstants {
-            features: scene.features(),
-            kernel: gather.kernel.number(),
-            flat: gather.is_flat(),
-            second: error_moments.is_some(),
-            reflections: gather.reflection,
-        };
-        let kernel = on.kernel(&shaders::STAGES_AREA, GROUP, &constants)?;
+        let kernel = kernel(on, &scene.kind, gather, error_moments.is_some());
         // The number of queries is not needed on the host: dispatch for the full capacity.
         let capacity = queries.capacity().min(estimates.capacity());
         let capacity = error_moments.as_ref().map_or(capacity, |error_moments| capacity.min(error_moments.capacity()));

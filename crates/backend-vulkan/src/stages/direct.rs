@@ -1,18 +1,17 @@
 //! Direct light by next-event estimation.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{DirectLight, Features, Layer, MediaFeatures, Pass, Query, Result, light_sampler};
+use photon_core::{DirectLight, Features, Layer, MediaFeatures, Pass, Query, Result};
 
+use crate::device::ComputePipeline;
 use crate::device::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
-use crate::scene::VulkanScene;
+use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
 const GROUP: u32 = 128;
-/// Up to this many lights, each query weights the lights individually.
-const MAX_LIGHTS: u32 = light_sampler::MAX_LIGHTS as u32;
 
 /// Shadow rays to points on the lights.
 #[derive(Debug)]
@@ -44,10 +43,14 @@ specialized!(
     0 features: Features, 2 weighed: u32, 3 media: MediaFeatures, 4 groups: u32; default shared_groups
 );
 
-/// Number of lights that kernels weight at each point; 0 if they are chosen by power alone.
-pub(crate) fn weighed(scene: &VulkanScene) -> u32 {
-    let lights = scene.light_count();
-    if (2..=MAX_LIGHTS).contains(&lights) { lights } else { 0 }
+/// The kernel.
+pub(crate) fn kernel(on: &mut Vulkan, scene: &SceneKind) -> ComputePipeline {
+    let SceneKind { features, weighed, media, light_groups, .. } = *scene;
+    on.kernel(
+        &shaders::STAGES_DIRECT,
+        GROUP,
+        &DirectConstants { features, weighed, media, groups: light_groups.starts() },
+    )
 }
 
 impl DirectLight<Vulkan> for VulkanDirect {
@@ -63,13 +66,7 @@ impl DirectLight<Vulkan> for VulkanDirect {
         if shadow_rays == 0 {
             return Ok(());
         }
-        let constants = DirectConstants {
-            features: scene.features(),
-            weighed: weighed(scene),
-            media: scene.media(),
-            groups: scene.light_groups().starts(),
-        };
-        let kernel = on.kernel(&shaders::STAGES_DIRECT, GROUP, &constants)?;
+        let kernel = kernel(on, &scene.kind);
         // The number of queries is not needed on the host: dispatch for the full capacity.
         let capacity = queries.capacity();
         let rounds = shadow_rays.min(on.dispatch_limits.shadow_rays_of_query);

@@ -1,11 +1,11 @@
 //! Photon emission from the lights.
 
 use bytemuck::{Pod, Zeroable};
-use photon_core::{Batch, Emitter, Features, PhotonRay, ProjectionMap, Result};
+use photon_core::{Batch, Emitter, Features, PhotonRay, ProjectionMap, RandomKind, Result};
 
-use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
-use crate::scene::VulkanScene;
+use crate::device::{ComputePipeline, Memory};
+use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -115,6 +115,12 @@ impl Emitter<Vulkan> for VulkanAimedEmitter {
     }
 }
 
+/// The kernel, for aimed paths or others.
+pub(crate) fn kernel(on: &mut Vulkan, scene: &SceneKind, random: RandomKind, aimed: bool) -> ComputePipeline {
+    let constants = EmitConstants { features: scene.features, random: random as u32, aimed };
+    on.kernel(&shaders::STAGES_EMIT, GROUP, &constants)
+}
+
 /// Emits the paths of a batch, by the projection map at address `projection` unless that is 0.
 fn emit(
     on: &mut Vulkan,
@@ -126,8 +132,7 @@ fn emit(
     let asked = batch.paths.len() as u64;
     let count = asked.min(rays.capacity());
     let pass = batch.pass;
-    let constants = EmitConstants { features: scene.features(), random: pass.random as u32, aimed: projection != 0 };
-    let kernel = on.kernel(&shaders::STAGES_EMIT, GROUP, &constants)?;
+    let kernel = kernel(on, &scene.kind, pass.random, projection != 0);
     let push = Push {
         scene: scene.address(),
         rays: rays.data_address(),

@@ -6,13 +6,12 @@ use photon_core::{
     View,
 };
 
-use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
+use crate::device::{ComputePipeline, Memory};
 use crate::film::VulkanFilm;
 use crate::scan::Scan;
-use crate::scene::VulkanScene;
+use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
-use crate::stages::direct::weighed;
 use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
@@ -30,6 +29,15 @@ const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 #[derive(Debug)]
 pub(crate) struct VulkanEye {
     max_bounces: u32,
+    paths: EyePaths,
+    scan: Scan,
+    camera: Memory,
+    scratch: Option<EyeScratch>,
+}
+
+/// Which camera paths are traced.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EyePaths {
     hides_background: bool,
     /// Whether paths leave queries for the reflection of glossy surfaces, instead of all else:
     /// [`photon_core::GlossCaustics`].
@@ -38,9 +46,6 @@ pub(crate) struct VulkanEye {
     terminator_offset: bool,
     /// [`Requirements::caustic_roughness`].
     caustic_roughness: Option<f32>,
-    scan: Scan,
-    camera: Memory,
-    scratch: Option<EyeScratch>,
 }
 
 /// Scratch buffers for one image size.
@@ -117,24 +122,72 @@ specialized!(compact_constants: CompactConstants => STAGES_EYE_COMPACT, 2 places
 
 impl VulkanEye {
     /// Constructs a tracer for camera paths.
-    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
+    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, paths: EyePaths) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
-        Ok(Self {
-            max_bounces: settings.max_bounces,
+        Ok(Self { max_bounces: settings.max_bounces, paths, scan: Scan::new(on)?, camera, scratch: None })
+    }
+}
+
+impl EyePaths {
+    /// All camera paths.
+    pub(crate) fn new(settings: &Settings, required: &Requirements) -> Self {
+        Self {
             hides_background: settings.transparent_background,
             reflections: false,
             terminator_offset: required.terminator_offset,
             caustic_roughness: required.caustic_roughness(settings),
-            scan: Scan::new(on)?,
-            camera,
-            scratch: None,
-        })
+        }
     }
 
-    /// Constructs a tracer for the camera paths of [`photon_core::GlossCaustics`].
-    pub(crate) fn for_reflections(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
-        Ok(Self { hides_background: false, reflections: true, ..Self::new(on, settings, required)? })
+    /// Those of [`photon_core::GlossCaustics`].
+    pub(crate) fn for_reflections(settings: &Settings, required: &Requirements) -> Self {
+        Self { hides_background: false, reflections: true, ..Self::new(settings, required) }
     }
+
+    /// Kernels: that of the paths, and those that compact their queries.
+    pub(crate) fn kernels(&self, on: &mut Vulkan, scene: &SceneKind, view: &View) -> [ComputePipeline; 3] {
+        let features = features(scene, view);
+        let splits = splits(features);
+        let caustic_roughness = self.caustic_roughness.filter(|&least| least <= scene.roughest_caustic);
+        let constants = EyeConstants {
+            features,
+            max_splits: splits,
+            paths_log2: SPLITS,
+            tile_rows_log2: tile_rows_log2(view),
+            media: scene.media,
+            weighed: if features.intersects(Features::FOLLOWED) { scene.weighed } else { 0 },
+            hides_background: self.hides_background,
+            reflections: self.reflections,
+            terminator_offset: self.terminator_offset && scene.has_vertex_normals,
+            caustic_roughness: caustic_roughness.map_or(u32::MAX, f32::to_bits),
+            marked: caustic_roughness.is_some() && scene.has_lights_without_extent,
+        };
+        [
+            on.kernel(&shaders::STAGES_EYE, GROUP, &constants),
+            on.kernel(&shaders::STAGES_EYE_COMPACT, GROUP, &CompactConstants { places_log2: splits }),
+            on.kernel(&shaders::STAGES_EYE_SETTLE, GROUP, &()),
+        ]
+    }
+}
+
+/// Features of the kernel: the lens is that of the view.
+fn features(scene: &SceneKind, view: &View) -> Features {
+    scene.features.without(Features::THIN_LENS).union(view.camera.features())
+}
+
+fn splits(features: Features) -> u32 {
+    if features.splits_camera_paths() { SPLITS } else { 0 }
+}
+
+/// Rows of tiles of 32 pixels, as square as possible.
+fn tile_rows_log2(view: &View) -> u32 {
+    if view.height >= 4 { 2 } else { 0 }
+}
+
+/// Whether camera paths find light themselves, and may add to [`Layer::Emission`].
+pub(crate) fn finds_light(scene: &SceneKind, view: &View) -> bool {
+    let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::SUN).union(Features::FOLLOWED);
+    features(scene, view).intersects(emits)
 }
 
 impl EyeTracer<Vulkan> for VulkanEye {
@@ -148,9 +201,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         queries: &mut VulkanBuffer<Query>,
     ) -> Result<()> {
         film.check_size(view.width, view.height)?;
-        // The lens is that of the view.
-        let features = scene.features().without(Features::THIN_LENS).union(view.camera.features());
-        let splits = if features.splits_camera_paths() { SPLITS } else { 0 };
+        let splits = splits(features(&scene.kind, view));
         let pixels = view.width * view.height;
         let places = u64::from(pixels) << splits;
         let in_place = queries.capacity() >= places;
@@ -158,33 +209,16 @@ impl EyeTracer<Vulkan> for VulkanEye {
             if in_place { places.min(u64::from(on.dispatch_limits.places >> splits).max(1) << splits) } else { places };
         if !self.scratch.as_ref().is_some_and(|scratch| scratch.fits(pixels, apart)) {
             self.scratch = None;
-            let label = if self.reflections { "camera paths for reflections" } else { "camera paths" };
+            let label = if self.paths.reflections { "camera paths for reflections" } else { "camera paths" };
             self.scratch = Some(EyeScratch::new(on, label, pixels, apart)?);
         }
         let Some(scratch) = &self.scratch else { return Ok(()) };
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::SUN).union(Features::FOLLOWED);
-        let lit = features.intersects(emits);
-        let emission = if lit { film.layer_address(on, Layer::Emission)? } else { 0 };
-        // Tiles of 32 pixels, as square as possible.
-        let tile_rows = if view.height >= 4 { 2 } else { 0 };
-        let caustic_roughness = self.caustic_roughness.filter(|&least| least <= scene.roughest_caustic());
-        let constants = EyeConstants {
-            features,
-            max_splits: splits,
-            paths_log2: SPLITS,
-            tile_rows_log2: tile_rows,
-            media: scene.media(),
-            weighed: if features.intersects(Features::FOLLOWED) { weighed(scene) } else { 0 },
-            hides_background: self.hides_background,
-            reflections: self.reflections,
-            terminator_offset: self.terminator_offset && scene.has_vertex_normals(),
-            caustic_roughness: caustic_roughness.map_or(u32::MAX, f32::to_bits),
-            marked: caustic_roughness.is_some() && scene.has_lights_without_extent(),
-        };
-        let look = on.kernel(&shaders::STAGES_EYE, GROUP, &constants)?;
+        let emission = if finds_light(&scene.kind, view) { film.layer_address(on, Layer::Emission)? } else { 0 };
+        let tile_rows = tile_rows_log2(view);
+        let [look, compact, settle] = self.paths.kernels(on, &scene.kind, view);
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
         for start_row in (0..view.height).step_by(rows as usize) {
             let end_row = start_row.saturating_add(rows).min(view.height);
@@ -210,21 +244,20 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let (counts, offsets) = (scratch.counts.address(), scratch.offsets.address());
         self.scan.exclusive(on, counts, offsets, u64::from(pixels), queries.count_address())?;
         queries.touch();
-        close_ranks(on, scratch, queries, in_place, splits, pixels)
+        close_ranks(on, [&compact, &settle], scratch, queries, in_place, splits, pixels)
     }
 }
 
 /// Compacts queries from the slots of their pixels to the positions in `scratch.offsets`.
 fn close_ranks(
     on: &mut Vulkan,
+    [compact, settle]: [&ComputePipeline; 2],
     scratch: &EyeScratch,
     queries: &VulkanBuffer<Query>,
     in_place: bool,
     splits: u32,
     pixels: u32,
 ) -> Result<()> {
-    let compact = on.kernel(&shaders::STAGES_EYE_COMPACT, GROUP, &CompactConstants { places_log2: splits })?;
-    let settle = on.kernel(&shaders::STAGES_EYE_SETTLE, GROUP, &())?;
     let chunk = if in_place { (on.dispatch_limits.places >> splits).max(1) } else { pixels };
     for start in (0..pixels).step_by(chunk as usize) {
         let count = chunk.min(pixels - start);
@@ -234,7 +267,7 @@ fn close_ranks(
             if in_place { (found, to, count << splits) } else { (to, found, queries.capacity() as u32) };
         let (counts, offsets) = (scratch.counts.address(), scratch.offsets.address());
         let push = CompactPush { found, counts, offsets, to, capacity, start, count, padding: 0 };
-        on.dispatch(&compact, &push, groups)?;
+        on.dispatch(compact, &push, groups)?;
         if in_place {
             let push = SettlePush {
                 from: scratch.queries.address(),
@@ -246,7 +279,7 @@ fn close_ranks(
                 pixels,
                 padding: 0,
             };
-            on.dispatch(&settle, &push, groups)?;
+            on.dispatch(settle, &push, groups)?;
         }
     }
     Ok(())
@@ -280,9 +313,14 @@ struct RadiiPush {
 
 pushed!(radii_push_layout: RadiiPush => STAGES_EYE_RADII, queries count factors pixels padding);
 
+/// The kernel of [`scale_radii`].
+pub(crate) fn radii_kernel(on: &mut Vulkan) -> ComputePipeline {
+    on.kernel(&shaders::STAGES_EYE_RADII, GROUP, &())
+}
+
 /// Multiplies each query's radius by its pixel's factor.
 pub(crate) fn scale_radii(on: &mut Vulkan, queries: &VulkanBuffer<Query>, factors: &VulkanBuffer<u32>) -> Result<()> {
-    let kernel = on.kernel(&shaders::STAGES_EYE_RADII, GROUP, &())?;
+    let kernel = radii_kernel(on);
     let push = RadiiPush {
         queries: queries.data_address(),
         count: queries.count_address(),

@@ -6,9 +6,10 @@ use photon_core::{
     PhotonFormat, Query, RadianceEstimator, Result,
 };
 
+use crate::device::ComputePipeline;
 use crate::device::buffer::VulkanBuffer;
 use crate::film::{self, VulkanFilm};
-use crate::scene::VulkanScene;
+use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
 use crate::stages::area::VulkanArea;
 use crate::vulkan::Vulkan;
@@ -123,6 +124,26 @@ impl VulkanGather {
     }
 }
 
+/// Kernels: that of the rays, and that which sums what they find.
+pub(crate) fn kernels(
+    on: &mut Vulkan,
+    scene: &SceneKind,
+    error_moments: bool,
+    irradiance: bool,
+) -> [ComputePipeline; 2] {
+    let constants = GatherConstants { features: scene.features, media: scene.media };
+    let sum = GatheredConstants { error_moments, irradiance };
+    [
+        on.kernel(&shaders::STAGES_FINAL_GATHER, GROUP, &constants),
+        on.kernel(&shaders::STAGES_FINAL_GATHER_SUM, GROUP, &sum),
+    ]
+}
+
+/// Upper bound on the number of gather rays at a time.
+pub(crate) fn most_rays(on: &Vulkan, queries: u64, rays: u32) -> u64 {
+    u64::from(on.dispatch_limits.gather_rays).min(queries * u64::from(rays.max(1)))
+}
+
 impl FinalGather<Vulkan> for VulkanGather {
     fn gather(
         &mut self,
@@ -140,18 +161,15 @@ impl FinalGather<Vulkan> for VulkanGather {
             return Ok(());
         }
         let dispatch_limits = on.dispatch_limits;
-        let room = u64::from(dispatch_limits.gather_rays).min(length * u64::from(rays));
+        let room = most_rays(on, length, rays);
         let (mut landings, mut estimates) = match self.landed.take() {
             Some(landed) if landed.0.capacity() >= room => landed,
             _ => (VulkanBuffer::new(on, "gather rays", room)?, VulkanBuffer::new(on, "gather estimates", room)?),
         };
         film.clear_values(on, queries.capacity())?;
         let values = film.values_address(on, queries.capacity())?;
-        let constants = GatherConstants { features: scene.features(), media: scene.media() };
-        let follow = on.kernel(&shaders::STAGES_FINAL_GATHER, GROUP, &constants)?;
         let mut errors = self.error_buffers(on, film, room, queries.capacity())?;
-        let constants = GatheredConstants { error_moments: errors.is_some(), irradiance: maps.irradiance.is_some() };
-        let add = on.kernel(&shaders::STAGES_FINAL_GATHER_SUM, GROUP, &constants)?;
+        let [follow, add] = kernels(on, &scene.kind, errors.is_some(), maps.irradiance.is_some());
         // Precomputed irradiance is not a sum over photon paths.
         let asked: Vec<_> = match maps.irradiance {
             Some(irradiance) => vec![(irradiance, 1)],

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Estimate, IrradiancePoints, Photon, PhotonFormat, Query, Result};
 
+use crate::device::ComputePipeline;
 use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
@@ -42,6 +43,11 @@ struct AddPush {
 
 pushed!(add_push_layout: AddPush => STAGES_IRRADIANCE, queries estimates points count first scale padding);
 
+/// Kernels: that which chooses the points, and that which adds to them.
+pub(crate) fn kernels(on: &mut Vulkan) -> [ComputePipeline; 2] {
+    [&shaders::STAGES_IRRADIANCE_PLACES, &shaders::STAGES_IRRADIANCE].map(|module| on.kernel(module, GROUP, &()))
+}
+
 impl IrradiancePoints<Vulkan> for VulkanIrradiance {
     fn places(
         &mut self,
@@ -53,7 +59,7 @@ impl IrradiancePoints<Vulkan> for VulkanIrradiance {
         let first = on.length(queries)?;
         let room = queries.capacity() - first;
         let count = u64::from(map.length.div_ceil(every.max(1))).min(room);
-        let kernel = on.kernel(&shaders::STAGES_IRRADIANCE_PLACES, GROUP, &())?;
+        let [kernel, _] = kernels(on);
         let push = PlacesPush {
             positions: map.positions.address(),
             queries: queries.data_address(),
@@ -76,7 +82,7 @@ impl IrradiancePoints<Vulkan> for VulkanIrradiance {
         points: &mut VulkanBuffer<Photon>,
     ) -> Result<()> {
         let count = on.length(queries)?.min(points.capacity());
-        let kernel = on.kernel(&shaders::STAGES_IRRADIANCE, GROUP, &())?;
+        let [_, kernel] = kernels(on);
         let push = AddPush {
             queries: queries.data_address(),
             estimates: estimates.data_address(),

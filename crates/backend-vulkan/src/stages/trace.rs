@@ -10,8 +10,8 @@ mod push;
 mod scratch;
 
 use photon_core::{
-    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Result, Scheduling, Settings,
-    Tally, Tracer,
+    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, RandomKind, Requirements, Result, Scheduling,
+    Settings, Tally, Tracer,
 };
 
 use self::push::{
@@ -23,7 +23,7 @@ use super::tally::{AIMED_FATES, FATES, tally, words};
 use crate::device::buffer::VulkanBuffer;
 use crate::device::{ComputePipeline, Memory};
 use crate::scan::Scan;
-use crate::scene::VulkanScene;
+use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
@@ -40,14 +40,8 @@ const SHORTEST: u64 = 1 << 13;
 /// Traces photons.
 #[derive(Debug)]
 pub(crate) struct VulkanTracer {
-    scheduling: Scheduling,
     max_bounces: u32,
-    /// Number of fates, of aimed paths or of others.
-    fates: usize,
-    /// Whether photons are those of [`photon_core::GlossCaustics`].
-    reflections: bool,
-    /// [`photon_core::Requirements::caustic_roughness`].
-    caustic_roughness: Option<f32>,
+    paths: PhotonPaths,
     scan: Scan,
     /// Current maximum number of paths in a chunk, adapted to the photons stored so far.
     longest: u64,
@@ -57,42 +51,97 @@ pub(crate) struct VulkanTracer {
     emitted: u64,
 }
 
+/// Which paths are traced, and how.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PhotonPaths {
+    scheduling: Scheduling,
+    /// Number of fates, of aimed paths or of others.
+    fates: usize,
+    /// Whether photons are those of [`photon_core::GlossCaustics`].
+    reflections: bool,
+    /// [`photon_core::Requirements::caustic_roughness`].
+    caustic_roughness: Option<f32>,
+}
+
 /// The buffer of each map that is required.
 type Targets<'a> = PerMap<Option<&'a VulkanBuffer<Photon>>>;
 
 impl VulkanTracer {
-    pub(crate) fn new(on: &mut Vulkan, settings: &Settings) -> Result<Self> {
-        Self::with_fates(on, settings, FATES)
-    }
-
-    /// Constructs a tracer for aimed paths, which end at the first diffuse surface.
-    pub(crate) fn aimed(on: &mut Vulkan, settings: &Settings) -> Result<Self> {
-        Self::with_fates(on, settings, AIMED_FATES)
-    }
-
-    /// Constructs a tracer for [`photon_core::GlossCaustics`]: aimed or not, paths end at the first surface that is not
-    /// perfectly specular.
-    pub(crate) fn for_reflections(on: &mut Vulkan, settings: &Settings, required: &Requirements) -> Result<Self> {
-        let caustic_roughness = required.caustic_roughness(settings);
-        Ok(Self { reflections: true, caustic_roughness, ..Self::aimed(on, settings)? })
-    }
-
-    fn with_fates(on: &mut Vulkan, settings: &Settings, fates: usize) -> Result<Self> {
-        let bytes = 4 * words(fates) as u64;
+    pub(crate) fn new(on: &mut Vulkan, settings: &Settings, paths: PhotonPaths) -> Result<Self> {
+        let bytes = 4 * words(paths.fates) as u64;
         let sums = on.memory("tally", bytes)?;
         on.fill_words(&sums, 0, bytes, 0)?;
         Ok(Self {
-            scheduling: settings.scheduling,
             max_bounces: settings.max_bounces,
-            fates,
-            reflections: false,
-            caustic_roughness: None,
+            paths,
             scan: Scan::new(on)?,
             longest: LONGEST,
             scratch: None,
             sums,
             emitted: 0,
         })
+    }
+}
+
+impl PhotonPaths {
+    /// All paths that are not aimed.
+    pub(crate) fn new(settings: &Settings) -> Self {
+        Self { scheduling: settings.scheduling, fates: FATES, reflections: false, caustic_roughness: None }
+    }
+
+    /// Aimed paths, which end at the first diffuse surface.
+    pub(crate) fn aimed(settings: &Settings) -> Self {
+        Self { fates: AIMED_FATES, ..Self::new(settings) }
+    }
+
+    /// Those of [`photon_core::GlossCaustics`]: aimed or not, they end at the first surface that is not perfectly specular.
+    pub(crate) fn for_reflections(settings: &Settings, required: &Requirements) -> Self {
+        let caustic_roughness = required.caustic_roughness(settings);
+        Self { reflections: true, caustic_roughness, ..Self::aimed(settings) }
+    }
+
+    /// The kernel that traces paths.
+    fn kernel(&self, on: &mut Vulkan, scene: &SceneKind, random: RandomKind, wanted: PerMap<bool>) -> ComputePipeline {
+        let plan = on.trace_plan;
+        let constants = TraceConstants {
+            features: scene.features,
+            random: random as u32,
+            wanted: wanted.bits(),
+            dynamic: self.scheduling == Scheduling::Dynamic,
+            busy: plan.busy,
+            aimed: self.fates == AIMED_FATES,
+            media: scene.media,
+            reflections: self.reflections,
+            shared_groups: plan.shared_groups,
+            all_lights: self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic),
+        };
+        on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)
+    }
+
+    /// The kernels that sum what became of paths, and put photons in order.
+    fn arranging(&self, on: &mut Vulkan, formats: PerMap<Option<PhotonFormat>>) -> [ComputePipeline; 3] {
+        let wanted = formats.map(|format| format.is_some()).bits();
+        let format = |(kind, format): (MapKind, &Option<PhotonFormat>)| {
+            format.map_or(0, |format| format.number() << (2 * kind as u32))
+        };
+        let format = formats.iter().map(format).sum();
+        [
+            on.kernel(&shaders::STAGES_TALLY, GROUP, &TallyConstants { wanted, fates: self.fates as u32 }),
+            on.kernel(&shaders::STAGES_TRACE_REORDER, 256, &ReorderConstants { format }),
+            on.kernel(&shaders::STAGES_TRACE_ADVANCE, 32, &AdvanceConstants { wanted }),
+        ]
+    }
+
+    /// Requests all kernels for paths that fill maps of these formats.
+    pub(crate) fn announce(
+        &self,
+        on: &mut Vulkan,
+        scene: &SceneKind,
+        random: RandomKind,
+        formats: PerMap<Option<PhotonFormat>>,
+    ) {
+        self.kernel(on, scene, random, formats.map(|format| format.is_some()));
+        self.arranging(on, formats);
     }
 }
 
@@ -125,10 +174,10 @@ impl Tracer<Vulkan> for VulkanTracer {
     }
 
     fn take_tally(&mut self, on: &mut Vulkan) -> Result<Tally> {
-        let mut words = vec![0_u32; words(self.fates)];
+        let mut words = vec![0_u32; words(self.paths.fates)];
         on.read(&self.sums, 0, bytemuck::cast_slice_mut(&mut words))?;
         on.fill_words(&self.sums, 0, 4 * words.len() as u64, 0)?;
-        Ok(tally(&words, self.fates, std::mem::take(&mut self.emitted)))
+        Ok(tally(&words, self.paths.fates, std::mem::take(&mut self.emitted)))
     }
 
     fn required_format(&self) -> PhotonFormat {
@@ -153,20 +202,7 @@ impl VulkanTracer {
         let targets = deposits.each_ref().map(Option::as_deref);
         let wanted = targets.map(|target| target.is_some());
         let pass = batch.pass;
-        let plan = on.trace_plan;
-        let constants = TraceConstants {
-            features: scene.features(),
-            random: pass.random as u32,
-            wanted: wanted.bits(),
-            dynamic: self.scheduling == Scheduling::Dynamic,
-            busy: plan.busy,
-            aimed: self.fates == AIMED_FATES,
-            media: scene.media(),
-            reflections: self.reflections,
-            shared_groups: plan.shared_groups,
-            all_lights: self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic()),
-        };
-        let trace = on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)?;
+        let trace = self.paths.kernel(on, &scene.kind, pass.random, wanted);
         loop {
             let Some(scratch) = &self.scratch else { return Ok(false) };
             on.fill_words(&scratch.cursors, 0, CURSORS, 0)?;
@@ -207,7 +243,7 @@ impl VulkanTracer {
     fn most(&self, targets: &Targets<'_>, count: u64) -> u64 {
         let held = targets.values().flatten().map(|target| target.capacity()).sum::<u64>();
         // An aimed path stores at most one photon, at its end.
-        let each = if self.fates == AIMED_FATES { 1 } else { u64::from(self.max_bounces) };
+        let each = if self.paths.fates == AIMED_FATES { 1 } else { u64::from(self.max_bounces) };
         held.min(count * each)
     }
 
@@ -226,7 +262,7 @@ impl VulkanTracer {
         let threads = plan.threads.max(count.div_ceil(plan.quota)).min(count).next_multiple_of(group);
         // With dynamic scheduling, how many paths an invocation takes is not fixed; twice the quota is always
         // enough.
-        let quota = count.div_ceil(threads) as u32 * if self.scheduling == Scheduling::Dynamic { 2 } else { 1 };
+        let quota = count.div_ceil(threads) as u32 * if self.paths.scheduling == Scheduling::Dynamic { 2 } else { 1 };
         let round = |number: u32| scratch.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
         let list = |number: u32| scratch.waiting.address() + u64::from(number % 2) * scratch.paths * 4;
         let rounds = self.max_bounces.div_ceil(plan.surfaces);
@@ -285,11 +321,8 @@ impl VulkanTracer {
             first: first as u32,
             count: count as u32,
         };
-        let sum = on.kernel(
-            &shaders::STAGES_TALLY,
-            GROUP,
-            &TallyConstants { wanted: wanted.bits(), fates: self.fates as u32 },
-        )?;
+        let formats = targets.map(|target| target.map(VulkanBuffer::photon_format));
+        let [sum, scatter, advance] = self.paths.arranging(on, formats);
         on.dispatch(&sum, &push, count.div_ceil(u64::from(GROUP) * 16).min(512))?;
         if !wanted.any() {
             return Ok(());
@@ -310,15 +343,9 @@ impl VulkanTracer {
             count: count as u32,
             places: scratch.places as u32,
         };
-        let formats = |(kind, target): (MapKind, &Option<&VulkanBuffer<Photon>>)| {
-            target.map_or(0, |to| to.photon_format().number()) << (2 * kind as u32)
-        };
-        let format = targets.iter().map(formats).sum();
-        let scatter = on.kernel(&shaders::STAGES_TRACE_REORDER, 256, &ReorderConstants { format })?;
         on.dispatch(&scatter, &push, scratch.places.div_ceil(256).min(2048))?;
         let push =
             AdvancePush { totals: scratch.cursors.address() + TOTALS, needed: address(VulkanBuffer::count_address) };
-        let advance = on.kernel(&shaders::STAGES_TRACE_ADVANCE, 32, &AdvanceConstants { wanted: wanted.bits() })?;
         on.dispatch(&advance, &push, 1)
     }
 }

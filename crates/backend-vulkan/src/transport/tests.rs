@@ -1,9 +1,9 @@
 //! Kernels are specialized to the features of the scene, and a render's memory is released after it.
 
 use photon_core::{
-    Backend, Bandwidth, Batch, Deposits, Direct, EstimateParams, Features, FilmBackend, Indirect, MapKind, Maps, Pass,
-    PerMap, Photon, PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render, Requirements, Search, Settings,
-    TransportBackend, View,
+    Backend, Bandwidth, Batch, Deposits, Direct, Display, EstimateParams, Features, FilmBackend, IndexKind, Indirect,
+    MapKind, Maps, Pass, PerMap, Photon, PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render,
+    Requirements, Search, Settings, TransportBackend, View,
 };
 use photon_scene::{Scene, builtin};
 
@@ -34,7 +34,7 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     stages.gather.as_mut().unwrap().gather(&mut on, &prepared, &maps, pass, &queries, 1, &mut film).unwrap();
     let names = ["stages_emit", "stages_trace", "stages_eye", "stages_direct", "stages_final_gather"];
     let mut found = Vec::new();
-    for (name, constants) in on.compiled() {
+    for (name, constants) in on.requested() {
         let first = constants.iter().find(|(id, _)| *id == 0).map_or(0, |&(_, value)| value);
         if names.contains(&name) {
             assert_eq!(Features::from_bits_truncate(first).bits(), first, "{name}");
@@ -91,5 +91,28 @@ fn a_backend_that_is_given_back_holds_no_buffer_of_the_render() {
         let on = pipeline.into_backend().unwrap();
         let left = on.device.graveyard.lock().unwrap().len();
         assert_eq!(left, 0);
+    }
+}
+
+/// All kernels of a render are announced before the scene is prepared, whatever its settings: nothing is compiled on demand.
+#[test]
+fn passes_request_no_kernel_that_was_not_announced() {
+    let own_radii = Settings { errors: true, bandwidth: Bandwidth::PerPixel, ..Settings::default() };
+    let gathered = Settings { indirect: Indirect::Gather, gather_rays: 1, ..Settings::default() };
+    let errors = Settings { errors: true, index: IndexKind::Vvh, ..gathered.clone() };
+    let points = Settings { irradiance_every: Some(8), index: IndexKind::Median, direct: Direct::Photons, ..gathered };
+    for (name, settings, passes) in [("gloss", own_radii, 9), ("cornell-glass", errors, 1), ("cornell", points, 1)] {
+        let Some(on) = Vulkan::for_tests() else { return };
+        let scene = builtin(name).unwrap().build().unwrap();
+        let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };
+        let mut pipeline = Pipeline::new(on, &scene.view(), view, Settings { photons: 3000, ..settings }).unwrap();
+        for pass in 0..passes {
+            pipeline.pass(pass, &mut ()).unwrap();
+        }
+        let late = pipeline.backend().late_kernels();
+        assert!(late.is_empty(), "{name}: {late:?}");
+        // A kernel that only previews need is not announced.
+        pipeline.display(&Display::default()).unwrap();
+        assert!(pipeline.backend().late_kernels().iter().map(|(name, _)| *name).eq(["film_display"]), "{name}");
     }
 }

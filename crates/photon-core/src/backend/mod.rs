@@ -1,12 +1,14 @@
 //! The interface of a backend: its buffers, its films ([`FilmBackend`]), and the construction of its
 //! stages.
 
+pub(crate) mod announcement;
 pub mod kd_tree;
 pub(crate) mod memory;
 pub(crate) mod observer;
 pub(crate) mod stages;
 pub(crate) mod tally;
 
+use crate::backend::announcement::Announcement;
 use crate::backend::memory::Costs;
 use crate::backend::stages::{Emitter, MapStages, Stages, Tracer};
 use crate::error::Result;
@@ -138,6 +140,15 @@ pub trait TransportBackend: FilmBackend {
     /// # Errors
     /// [`crate::Error::Backend`] if they cannot be built.
     fn stages(&mut self, required: &Requirements, settings: &Settings) -> Result<Stages<Self>>;
+
+    /// Says what passes by the stages of [`TransportBackend::stages`] will ask, before the scene is prepared: to compile kernels
+    /// meanwhile. It may be repeated when more is known. Results do not depend on it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Backend`].
+    fn announce(&mut self, _announcement: &Announcement<'_>) -> Result<()> {
+        Ok(())
+    }
 
     /// Stages for paths that are aimed with `projection`, which is not empty: an emitter, and a tracer that
     /// ends paths at the first diffuse surface. `None`: the backend has no such stages, and the ordinary

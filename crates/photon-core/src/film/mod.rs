@@ -11,8 +11,8 @@ use crate::error::{Error, Result};
 use crate::film::confidence::ErrorPixel;
 use crate::film::film_tally::FilmTally;
 use crate::film::pass_set::PassSet;
-use crate::{memory, parallel};
 use crate::scene::units::Units;
+use crate::{memory, parallel};
 use bytemuck::Zeroable;
 
 /// Version of the numerics, which stored films record: raised with each change that alters the bits of passes (*Numerics*

@@ -4,10 +4,12 @@ use std::mem::discriminant;
 use std::time::Instant;
 
 use super::Pipeline;
+use super::announce::announce;
 use crate::backend::TransportBackend;
 use crate::backend::memory::Costs;
-use crate::backend::stages::{Aimed, Stages};
+use crate::backend::stages::{Aimed, Stages, View};
 use crate::error::Result;
+use crate::memory;
 use crate::projection::ProjectionMap;
 use crate::requirements::Requirements;
 use crate::scene::SceneView;
@@ -24,16 +26,20 @@ pub(super) struct Aiming {
     pub(super) seconds: f64,
 }
 
+/// Upper bound on the memory for finding out: its grids, lists of cells and pairs have limits that no scene changes.
+const BYTES: u64 = 64 << 20;
+
 impl Aiming {
-    fn new(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> Self {
+    fn new(scene: &SceneView<'_>, settings: &Settings, required: &Requirements) -> Result<Self> {
         let begun = Instant::now();
+        memory::check(BYTES, "the projection map")?;
         let chosen = ProjectionMap::chosen(scene, settings, required);
-        Self {
+        Ok(Self {
             caustic_photons: settings.caustic_photons,
             alone: required.aims_alone(),
             map: chosen.ok().map(|(map, _)| map),
             seconds: begun.elapsed().as_secs_f64(),
-        }
+        })
     }
 
     fn is_for(&self, settings: &Settings, required: &Requirements) -> bool {
@@ -47,21 +53,25 @@ impl Aiming {
 /// `known` from other settings in the same scene.
 pub(super) fn stages<B: TransportBackend>(
     on: &mut B,
-    scene: &SceneView<'_>,
+    (scene, view): (&SceneView<'_>, View),
     settings: &Settings,
     required: &Requirements,
     known: Option<Aiming>,
 ) -> Result<(Stages<B>, Option<Aiming>)> {
     let mut stages = on.stages(required, settings)?;
+    announce(on, (scene, view), (settings, required), &stages, required.aimed)?;
     if !required.aimed {
         return Ok((stages, known));
     }
     let known = known.filter(|known| known.is_for(settings, required));
-    let aiming = known.unwrap_or_else(|| Aiming::new(scene, settings, required));
+    let aiming = known.map_or_else(|| Aiming::new(scene, settings, required), Ok)?;
     if let Some(map) = &aiming.map {
         let aimed = on.aimed(required, settings, map)?;
         let paths = map.aimed_paths(settings, required);
         stages.aimed = aimed.map(|(emitter, tracer)| Aimed { emitter, tracer, paths });
+    }
+    if stages.aimed.is_none() {
+        announce(on, (scene, view), (settings, required), &stages, false)?;
     }
     Ok((stages, Some(aiming)))
 }

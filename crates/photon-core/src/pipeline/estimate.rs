@@ -3,10 +3,9 @@
 use super::Pipeline;
 use super::photons::Sent;
 use super::slot::{BuiltMap, MapSlot};
-use crate::backend::stages::{EstimateBuffers, EstimateParams, Maps, Pass};
+use crate::backend::stages::{EstimateBuffers, Maps, Pass};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
-use crate::radius::radii;
 use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::settings::{Direct, Indirect, Settings};
 
@@ -82,14 +81,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 continue;
             }
             let map = self.stages.map.builder.build(&mut self.on, filled)?;
-            let gather = EstimateParams {
-                shading_normals: self.shading_normals,
-                reflection: slot.reflected,
-                anisotropy: slot.reflected && self.anisotropy,
-                sheen: slot.reflected && self.sheen,
-                marked: slot.reflected && self.marked,
-                ..radii::gather(&self.settings, slot.radius, index)
-            };
+            let gather = self.weights.params(&self.settings, slot.reflected, slot.radius, index);
             let MapSlot { kind, reflected, .. } = *slot;
             maps.push(BuiltMap { kind, reflected, map, length, gather, paths: paths[kind] });
         }

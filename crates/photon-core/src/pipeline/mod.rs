@@ -45,14 +45,7 @@ pub struct Pipeline<B: TransportBackend> {
     scene: B::Scene,
     stages: Stages<B>,
     required: Requirements,
-    /// Whether surfaces of the scene have shading normals.
-    shading_normals: bool,
-    /// Whether the scene has anisotropic surfaces.
-    anisotropy: bool,
-    /// Whether it has sheen.
-    sheen: bool,
-    /// [`crate::EstimateParams::marked`], for reflections.
-    marked: bool,
+    weights: Weights,
     settings: Settings,
     /// Paths per pass in the settings, even if fewer fit into memory.
     asked: u32,
@@ -89,6 +82,7 @@ pub struct Pipeline<B: TransportBackend> {
 }
 
 mod aimed;
+mod announce;
 mod check;
 mod end;
 mod estimate;
@@ -105,6 +99,7 @@ mod slot;
 mod with_settings;
 
 use aimed::Aiming;
+use announce::Weights;
 use slot::{MapSlot, State};
 
 impl<B: TransportBackend> Pipeline<B> {
@@ -180,8 +175,9 @@ impl<B: TransportBackend> Pipeline<B> {
         batch: u32,
     ) -> Result<Self> {
         let settings = irradiance::with_points(scene, settings);
-        let (stages, aiming) = aimed::stages(&mut on, scene, &settings, &required, None)?;
-        let mut pipeline = Self::assemble(on, scene, (view.within(scene), None), settings, (required, stages), batch)?;
+        let view = view.within(scene);
+        let (stages, aiming) = aimed::stages(&mut on, (scene, view), &settings, &required, None)?;
+        let mut pipeline = Self::assemble(on, scene, (view, None), settings, (required, stages), batch)?;
         pipeline.add_aiming(aiming);
         Ok(pipeline)
     }
@@ -227,7 +223,7 @@ impl<B: TransportBackend> Pipeline<B> {
         if !(required.gloss_caustics && stages.map.estimator.weighs_reflections()) {
             stages.gloss_caustics = None;
         }
-        let all_lights = check::all_lights(scene, &settings, &required, stages.gloss_caustics.is_some())?;
+        let weights = Weights::new(scene, &settings, &required, stages.gloss_caustics.is_some())?;
         let format = if stages.gloss_caustics.is_some() { PhotonFormat::Full } else { required.photon_format };
         let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);
         let plan = match settings.memory {
@@ -270,10 +266,7 @@ impl<B: TransportBackend> Pipeline<B> {
             on,
             stages,
             required,
-            shading_normals: Features::of(scene).contains(Features::SHADING_NORMALS),
-            anisotropy: Features::of(scene).contains(Features::ANISOTROPY),
-            sheen: Features::of(scene).contains(Features::SHEEN),
-            marked: all_lights && Features::of(scene).intersects(Features::DELTA_LIGHTS),
+            weights,
             asked: settings.photons,
             settings,
             view,

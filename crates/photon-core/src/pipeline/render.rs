@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use crate::backend::StageTimings;
 use crate::backend::observer::{Event, Observer, PassReport};
 use crate::backend::tally::Tally;
+use crate::backend::{Stage, StageTimings};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::film::display::{Display, DisplayImage};
@@ -207,8 +207,8 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
                 break;
             }
         };
+        clock.end_pass(report.seconds.get(Stage::Compile));
         outcome.add(report);
-        clock.end_pass();
         if flow.is_break() {
             outcome.cancelled = outcome.passes < plan.passes();
             break;
@@ -291,7 +291,7 @@ fn is_over(plan: &Plan, outcome: &Outcome, clock: &Clock) -> bool {
     spent || plan.time().is_some_and(|time| elapsed + pass > time)
 }
 
-/// Times the passes. The first one also compiles kernels, some backends read the film to choose radii, and forecasts and previews
+/// Times the passes, without the time that they waited for kernels. The first one also allocates memory, some backends read the film to choose radii, and forecasts and previews
 /// come between: the duration of a pass is the median of the latest others.
 struct Clock {
     begun: Instant,
@@ -319,8 +319,10 @@ impl Clock {
         self.pass_begun = Instant::now();
     }
 
-    fn end_pass(&mut self) {
-        self.add(self.pass_begun.elapsed());
+    /// Ends a pass that waited this many seconds for kernels, as later ones will not.
+    fn end_pass(&mut self, compiling: f64) {
+        let compiling = Duration::try_from_secs_f64(compiling).unwrap_or_default();
+        self.add(self.pass_begun.elapsed().saturating_sub(compiling));
     }
 
     fn add(&mut self, pass: Duration) {

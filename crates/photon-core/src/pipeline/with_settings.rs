@@ -27,7 +27,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let prepared = Some(prepared).filter(|_| before.prepares_like(&required));
         on.reset()?;
         let is_kept = prepared.is_some();
-        let (stages, aiming) = aimed::stages(&mut on, scene, &settings, &required, known)?;
+        let (stages, aiming) = aimed::stages(&mut on, (scene, view), &settings, &required, known)?;
         let batch = on.batch();
         let mut pipeline = Self::assemble(on, scene, (view, prepared), settings, (required, stages), batch)?;
         if is_kept {

@@ -26,17 +26,22 @@ pub fn warp(cosines: [f32; 3], u: f32, v: f32) -> (f32, f32, f32) {
         return (u, v, 1.0);
     }
     let [start, pole, finish] = [start + even, pole + even, finish + even];
-    let v = linear(v, 2.0 * pole, start + finish);
-    let (low, high) = (pole + v * (start - pole), pole + v * (finish - pole));
-    let u = linear(u, low, high);
-    let value = low + u * (high - low);
+    let (v, rest, _) = linear(v, 2.0 * pole, start + finish);
+    let (u, _, value) = linear(u, pole * rest + start * v, pole * rest + finish * v);
     (u, v, 0.25 * (2.0 * pole + start + finish) / value)
 }
 
-/// A number in `[0, 1)` whose density is proportional to the linear interpolation from `a` to `b`, both above 0.
+/// A number in `[0, 1)` whose density is proportional to the linear interpolation from `a` to `b`, both above 0; what is missing
+/// from it to 1; and the interpolated value there.
+///
+/// Without differences of what was rounded, so that no error of a division or a root, of which devices allow several in the last
+/// place, is multiplied by the ratio of `a` and `b`.
 #[inline]
-fn linear(x: f32, a: f32, b: f32) -> f32 {
-    (x * (a + b) / (a + (a * a + x * ((b - a) * (b + a))).max(0.0).sqrt())).min(BELOW_ONE)
+fn linear(x: f32, a: f32, b: f32) -> (f32, f32, f32) {
+    let left = 1.0 - x;
+    let value = (a * a * left + b * b * x).sqrt();
+    let sum = a + b;
+    ((x * sum / (a + value)).min(BELOW_ONE), left * sum / (b + value), value)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Displacement of vertices, so that triangles come to lie on their levels.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::{DMat3, DVec3, Vec3};
 use photon_core::offset;
@@ -38,7 +38,7 @@ pub(super) fn apply(geometry: &mut Geometry, materials: &[MaterialDesc], raised:
     let is_moving: Vec<bool> =
         (0..geometry.positions.len() as u32).map(|vertex| moving.contains(&place(geometry, vertex))).collect();
     // Triangles by what they may move with, and by place.
-    let mut fans: HashMap<(bool, u32, Place), Vec<u32>> = HashMap::new();
+    let mut fans: BTreeMap<(bool, u32, Place), Vec<u32>> = BTreeMap::new();
     for (triangle, corners) in (0..).zip(&geometry.triangles) {
         if !corners.iter().any(|&vertex| is_moving[vertex as usize]) {
             continue;

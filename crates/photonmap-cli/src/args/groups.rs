@@ -117,13 +117,13 @@ pub struct BudgetArgs {
     /// Time limit in seconds, or such as 5min, from start to finished file.
     ///
     /// Passes are rendered until the time is used up.
-    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
     /// Stop at this relative error, such as 0.05.
     ///
     /// The error is an estimated bound for each pixel, relative to its radiance, or to a tenth of the picture's mean
     /// where the pixel is darker. --passes and --time are then upper limits.
-    #[arg(long, value_name = "E")]
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
     pub target_error: Option<f64>,
     /// Fraction of the pixels with an error estimate that must reach --target-error.
     #[arg(long, value_name = "FRACTION", default_value_t = 0.95, hide_short_help = true)]

@@ -59,11 +59,13 @@ pub(crate) fn on_cpu(
     let mut words = vec![0_u32; queries.len() * width];
     let begun = Instant::now();
     pool.install(|| match wanted {
-        Wanted::Count { radius } => index.count_within_many(queries, radius * radius, &mut words),
-        Wanted::Nearest { max_radius, .. } => {
-            index.nearest_many(queries, width, max_radius * max_radius, &mut words);
+        Wanted::Count { radius } => {
+            index.count_within_many(queries, radius * radius, &mut words);
+            Ok(())
         }
-    });
+        Wanted::Nearest { max_radius, .. } => index.nearest_many(queries, width, max_radius * max_radius, &mut words),
+    })
+    .map_err(Fault::failure)?;
     let seconds_query = begun.elapsed().as_secs_f64();
     let (threads, bytes) = (Some(pool.current_num_threads()), Some(index.bytes()));
     Ok(Found { words, backend: "cpu", device: None, threads, bytes, seconds_build, seconds_query })

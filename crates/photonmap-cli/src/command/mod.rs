@@ -59,8 +59,7 @@ enum Command {
     Map(map::MapArgs),
     /// List the built-in scenes.
     Scenes,
-    /// List the Vulkan devices, and what each lacks.
-    Devices,
+    Devices(devices::DevicesArgs),
     Explain(Box<ExplainArgs>),
     Compare(compare::CompareArgs),
     Export(export::ExportArgs),
@@ -122,7 +121,7 @@ const OTHERS: [(&[&str], &str); 6] = [
 fn run(command: &Command) -> Result<(), Fault> {
     match command {
         Command::Render(args) if args.list => scenes::run(),
-        Command::Render(args) if args.devices => devices::run(),
+        Command::Render(args) if args.devices => devices::run(&devices::DevicesArgs::default()),
         Command::Render(args) if args.explain => {
             let (scene, settings, machine) = (args.scene.clone(), args.settings.clone(), args.machine.clone());
             explain::run(&ExplainArgs { scene, settings, machine }, !render_blocks::in_blocks(args))
@@ -130,7 +129,7 @@ fn run(command: &Command) -> Result<(), Fault> {
         Command::Render(args) => render::run(args),
         Command::Map(args) => map::run(args),
         Command::Scenes => scenes::run(),
-        Command::Devices => devices::run(),
+        Command::Devices(args) => devices::run(args),
         Command::Explain(args) => explain::run(args, !args.machine.several()),
         Command::Compare(args) => compare::run(args),
         Command::Export(args) => export::run(args),

@@ -194,7 +194,7 @@ mod tests {
         let args = [
             "/usr/bin/photonmap",
             "render",
-            "/home/me/a b.glb",
+            "/srv/me/a b.glb",
             "--environment=..\\sky.exr",
             "--light=-x",
             "-o",
@@ -202,6 +202,6 @@ mod tests {
         ];
         let expected = "photonmap render a b.glb --environment=sky.exr --light=-x -o a.exr";
         assert_eq!(command(args.into_iter().map(str::to_owned)), expected);
-        assert_eq!(without_folder("/home/me/sky.exr, scaled by 0.5"), "sky.exr, scaled by 0.5");
+        assert_eq!(without_folder("/srv/me/sky.exr, scaled by 0.5"), "sky.exr, scaled by 0.5");
     }
 }

@@ -47,8 +47,13 @@ pub(super) fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault>
     }
     if settings.bandwidth == Bandwidth::PerPixel {
         return Err(Fault::input(format!(
-            "--bandwidth per-pixel: passes then depend on all passes before them, which is not possible in blocks; with \
-             {with}, give --bandwidth shared"
+            "{}: passes then depend on all passes before them, which is not possible in blocks; with {with}, give \
+             --bandwidth shared",
+            if args.settings.estimate.bandwidth.is_some() {
+                "--bandwidth per-pixel"
+            } else {
+                "radii per pixel, as of --preset final"
+            }
         )));
     }
     blocks(args, settings, settings.photons, devices.len()).map(|_| ())

@@ -1,5 +1,6 @@
 //! The picture so far in the viewer tev, by its protocol over TCP.
 
+use std::io::ErrorKind;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -16,6 +17,8 @@ const TIMEOUT: Duration = Duration::from_secs(3);
 
 /// The port on which tev listens.
 const PORT: u16 = 14158;
+
+const SLOW: &str = "the viewer reads too slowly";
 
 /// A connection to the viewer. Pictures are sent by a thread of its own, the latest one only, so that a slow viewer does not
 /// delay the render.
@@ -114,7 +117,7 @@ impl Sink for Tev {
             .unwrap_or_else(PoisonError::into_inner);
         match state.failure.take() {
             Some(why) => Err(format!("tev: {why}")),
-            None if waited.timed_out() => Err("tev: the viewer reads too slowly for the last picture".to_owned()),
+            None if waited.timed_out() => Err(format!("tev: {SLOW}")),
             None => Ok(()),
         }
     }
@@ -138,12 +141,21 @@ fn send_all(shared: &Shared, mut viewer: TevClient, title: &str) {
         drop(state);
         let sent = send(&mut viewer, &picture, title, !created);
         let mut state = shared.lock();
-        (state.sending, state.failure) = (false, sent.as_ref().err().map(ToString::to_string));
+        (state.sending, state.failure) = (false, sent.as_ref().err().map(reason));
         shared.changed.notify_all();
         if sent.is_err() {
             return;
         }
         created = true;
+    }
+}
+
+/// The reason why a picture was not sent.
+fn reason(why: &std::io::Error) -> String {
+    match why.kind() {
+        // The write timeout of the connection.
+        ErrorKind::WouldBlock | ErrorKind::TimedOut => SLOW.to_owned(),
+        _ => why.to_string(),
     }
 }
 

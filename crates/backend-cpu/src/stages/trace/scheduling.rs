@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use photon_core::memory::{self, OutOfMemory};
 use photon_core::PhotonRay;
+use photon_core::memory::{self, OutOfMemory};
 use rayon::prelude::*;
 
 use super::{BLOCK, TraceOutput, Walk};

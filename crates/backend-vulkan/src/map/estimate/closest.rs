@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Estimate, EstimateParams, PhotonFormat, Query, Result};
 
+use crate::device::ComputePipeline;
 use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
@@ -44,6 +45,11 @@ specialized!(
     nearest_photon_constants: NearestPhotonConstants => SEARCH_NEAREST_PHOTON, 2 ordered: bool, 3 format: PhotonFormat
 );
 
+/// The kernel; `ordered`: whether queries are processed in an order of their own.
+pub(super) fn kernel(on: &mut Vulkan, format: PhotonFormat, ordered: bool) -> ComputePipeline {
+    on.kernel(&shaders::SEARCH_NEAREST_PHOTON, GROUP, &NearestPhotonConstants { ordered, format })
+}
+
 /// Evaluates all queries; `order` is the address of the order to process them in, or 0.
 pub(super) fn ask(
     on: &mut Vulkan,
@@ -53,8 +59,7 @@ pub(super) fn ask(
     order: u64,
     estimates: &VulkanBuffer<Estimate>,
 ) -> Result<()> {
-    let constants = NearestPhotonConstants { ordered: order != 0, format: map.photon_format() };
-    let kernel = on.kernel(&shaders::SEARCH_NEAREST_PHOTON, GROUP, &constants)?;
+    let kernel = kernel(on, map.photon_format(), order != 0);
     let mut push = Push {
         nodes: map.nodes.address(),
         positions: map.positions.address(),

@@ -46,28 +46,12 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         estimates: &mut VulkanBuffer<Estimate>,
     ) -> Result<()> {
         gather.validate_for(map.photon_format())?;
-        let mut question = Question { shading: self.weighting(on, gather)?, ..radius_question(gather) };
-        match gather.search {
-            Search::Radius => {}
-            Search::KNearest { k } => {
-                question.mode = Mode::Nearest;
-                question.k = k;
-            }
-            Search::NearestPhoton => {
-                let order = self.search.order(on, map, queries)?;
-                closest::ask(on, map, queries, gather, order, estimates)?;
-                estimates.touch();
-                return Ok(());
-            }
-            Search::Paper { max, threshold, factor } => {
-                question.mode = Mode::Paper;
-                question.kernel = Kernel::Constant;
-                question.filter = true;
-                question.k = max;
-                question.parameter = factor;
-                question.threshold = threshold;
-            }
-        }
+        let Some(question) = question(gather, self.weighting(on, gather)?) else {
+            let order = self.search.order(on, map, queries)?;
+            closest::ask(on, map, queries, gather, order, estimates)?;
+            estimates.touch();
+            return Ok(());
+        };
         let (address, capacity) = (estimates.data_address(), estimates.capacity());
         let result = (address, estimates.count_address(), capacity);
         let order = self.search.order(on, map, queries)?;
@@ -88,7 +72,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         gather.validate_moments()?;
         gather.validate_for(map.photon_format())?;
         let shading = self.weighting(on, gather)?;
-        let question = Question { error_moments: error_moments.data_address(), shading, ..radius_question(gather) };
+        let question = Question { error_moments: error_moments.data_address(), ..radius_question(gather, shading) };
         let capacity = estimates.capacity().min(error_moments.capacity());
         let result = (estimates.data_address(), estimates.count_address(), capacity);
         let order = self.search.order(on, map, queries)?;
@@ -115,7 +99,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
         let mut estimates = VulkanBuffer::<Estimate>::new(on, "estimates", u64::from(count))?;
         // The nearest photon is the query's own.
         let k = neighbours + 1;
-        let gather = EstimateParams { min_normal_cosine, ..EstimateParams::new(Search::KNearest { k }) };
+        let gather = neighbours_of(k, min_normal_cosine);
         self.estimate(on, map, &queries, &gather, &mut estimates)?;
         let mut found = Vec::new();
         on.download(&estimates, &mut found)?;
@@ -135,7 +119,7 @@ impl RadianceEstimator<Vulkan> for VulkanEstimator {
 impl VulkanEstimator {
     fn weighting(&mut self, on: &mut Vulkan, gather: &EstimateParams) -> Result<Weighting> {
         if !gather.reflection {
-            return Ok(if gather.shading_normals { Weighting::Cosine } else { Weighting::Even });
+            return Ok(weighting(gather, 0));
         }
         let albedos = match self.albedos.take().filter(|(_, has_sheen)| *has_sheen || !gather.sheen) {
             Some(albedos) => albedos,
@@ -150,22 +134,77 @@ impl VulkanEstimator {
             }
         };
         let address = self.albedos.insert(albedos).0.address();
-        Ok(match (gather.sheen, gather.anisotropy) {
-            (true, _) => Weighting::Sheen(address),
-            (false, true) => Weighting::Anisotropic(address),
-            (false, false) => Weighting::Reflection(address),
-        })
+        Ok(weighting(gather, address))
+    }
+}
+
+/// What photons are weighted by; `albedos` is the address of the table for reflections.
+fn weighting(gather: &EstimateParams, albedos: u64) -> Weighting {
+    match (gather.reflection, gather.sheen, gather.anisotropy) {
+        (false, ..) => {
+            if gather.shading_normals {
+                Weighting::Cosine
+            } else {
+                Weighting::Even
+            }
+        }
+        (true, true, _) => Weighting::Sheen(albedos),
+        (true, false, true) => Weighting::Anisotropic(albedos),
+        (true, false, false) => Weighting::Reflection(albedos),
+    }
+}
+
+/// The estimate that [`RadianceEstimator::neighbour_radius`] makes.
+fn neighbours_of(k: u32, min_normal_cosine: f32) -> EstimateParams {
+    EstimateParams { min_normal_cosine, ..EstimateParams::new(Search::KNearest { k }) }
+}
+
+/// Requests the kernels of estimates from maps of a format, at this many queries, with or without moments of errors.
+pub(crate) fn announce(on: &mut Vulkan, gather: &EstimateParams, format: PhotonFormat, queries: u64, moments: bool) {
+    let search = MapSearch::default();
+    let ordered = search.is_worth_order(queries);
+    if ordered {
+        order::kernel(on);
+    }
+    match question(gather, weighting(gather, 0)) {
+        Some(question) => search.kernel(on, &Question { error_moments: moments.into(), ..question }, format, ordered),
+        None => closest::kernel(on, format, ordered),
+    };
+}
+
+/// Requests the kernels of [`RadianceEstimator::neighbour_radius`].
+pub(crate) fn announce_neighbours(on: &mut Vulkan, format: PhotonFormat, min_normal_cosine: f32) {
+    search::sample_kernel(on, format);
+    announce(on, &neighbours_of(1, min_normal_cosine), format, u64::from(neighbour_radius::SAMPLE), false);
+}
+
+/// The question of an estimate; `None` for the nearest photon, for which there is another kernel.
+fn question(gather: &EstimateParams, shading: Weighting) -> Option<Question> {
+    let question = radius_question(gather, shading);
+    match gather.search {
+        Search::Radius => Some(question),
+        Search::KNearest { k } => Some(Question { mode: Mode::Nearest, k, ..question }),
+        Search::NearestPhoton => None,
+        Search::Paper { max, threshold, factor } => Some(Question {
+            mode: Mode::Paper,
+            kernel: Kernel::Constant,
+            filter: true,
+            k: max,
+            parameter: factor,
+            threshold,
+            ..question
+        }),
     }
 }
 
 /// A search for all photons within the radius.
-fn radius_question(gather: &EstimateParams) -> Question {
+fn radius_question(gather: &EstimateParams, shading: Weighting) -> Question {
     Question {
         mode: Mode::Radius,
         kernel: gather.kernel,
         filter: gather.min_normal_cosine > -1.0,
         flat: gather.is_flat(),
-        shading: Weighting::Even,
+        shading,
         marked: gather.reflection && gather.marked,
         k: 0,
         radius: gather.radius_scale,

@@ -80,7 +80,7 @@ impl Vulkan {
             let rows_each = u64::from((in_shared / room).max(1));
             let order = search.order(self, map, queries)?;
             let sort =
-                self.kernel(&shaders::SEARCH_ORDER, threads, &OrderConstants { room: in_shared, ordered: order != 0 })?;
+                self.kernel(&shaders::SEARCH_ORDER, threads, &OrderConstants { room: in_shared, ordered: order != 0 });
             let mut first = 0;
             while first < count {
                 let end = count.min(first + portion);

@@ -4,8 +4,8 @@
 use bytemuck::{Pod, Zeroable};
 use photon_core::{Query, Result};
 
-use crate::device::Memory;
 use crate::device::buffer::VulkanBuffer;
+use crate::device::{ComputePipeline, Memory};
 use crate::map::VulkanMap;
 use crate::shaders;
 use crate::sort::{Pairs, Sort};
@@ -32,6 +32,11 @@ pub(super) struct Order {
     keys: [Memory; 2],
     values: [Memory; 2],
     room: u64,
+}
+
+/// The kernel that computes codes.
+pub(super) fn kernel(on: &mut Vulkan) -> ComputePipeline {
+    on.kernel(&shaders::SEARCH_CODES, 128, &())
 }
 
 impl Order {
@@ -67,7 +72,7 @@ impl Order {
             count: count as u32,
             reserved: 0,
         };
-        let kernel = on.kernel(&shaders::SEARCH_CODES, 128, &())?;
+        let kernel = kernel(on);
         on.dispatch(&kernel, &push, count.div_ceil(128))?;
         let pairs = Pairs {
             keys: [self.keys[0].address(), self.keys[1].address()],

@@ -7,6 +7,7 @@ use photon_core::{Error, Kernel, PhotonFormat, Query, Result};
 
 use super::order::Order;
 use super::pause::{PausedSearches, SUBGROUPS};
+use crate::device::ComputePipeline;
 use crate::device::buffer::VulkanBuffer;
 use crate::map::VulkanMap;
 use crate::shaders;
@@ -176,6 +177,11 @@ pub(super) struct MapSearch {
     pub(super) paused: PausedSearches,
 }
 
+/// Invocations per workgroup.
+fn workgroup(on: &Vulkan) -> u32 {
+    (TILES * on.limits().subgroup_size.max(1)).min(on.limits().max_workgroup)
+}
+
 impl Default for MapSearch {
     fn default() -> Self {
         Self {
@@ -191,7 +197,7 @@ impl Default for MapSearch {
 impl MapSearch {
     /// Address of the order in which to process `queries`, for [`MapSearch::ask`]; 0 for their own order.
     pub(super) fn order(&mut self, on: &mut Vulkan, map: &VulkanMap, queries: &VulkanBuffer<Query>) -> Result<u64> {
-        if map.node_count == 0 || queries.capacity() < self.worth_order {
+        if map.node_count == 0 || !self.is_worth_order(queries.capacity()) {
             return Ok(0);
         }
         let order = match &mut self.order {
@@ -199,6 +205,63 @@ impl MapSearch {
             none => none.insert(Order::new(on)?),
         };
         order.of(on, map, queries)
+    }
+
+    /// Whether this many queries are processed in an order of their own.
+    pub(super) fn is_worth_order(&self, queries: u64) -> bool {
+        queries >= self.worth_order
+    }
+
+    /// Loop iterations after which a search pauses; 0: never.
+    fn turns(&self, on: &Vulkan) -> u32 {
+        // The other half is reserved for loops outside of the traversal.
+        if self.turns > 0 { self.turns } else { on.limits().loop_turns / 2 }
+    }
+
+    /// The kernel for a question to maps of this format; `ordered`: whether queries are processed in an order of their own.
+    pub(super) fn kernel(
+        &self,
+        on: &mut Vulkan,
+        question: &Question,
+        format: PhotonFormat,
+        ordered: bool,
+    ) -> ComputePipeline {
+        let (workgroup, turns) = (workgroup(on), self.turns(on));
+        match question.mode {
+            Mode::Radius => {
+                let constants = RadiusConstants {
+                    tiles: TILES,
+                    ordered,
+                    kernel: question.kernel.number(),
+                    filter: question.filter,
+                    error_moments: question.error_moments != 0,
+                    flat: question.flat,
+                    turns,
+                    format,
+                    shading: question.shading.number(),
+                    marked: question.marked,
+                };
+                on.kernel(&shaders::SEARCH_RADIUS, workgroup, &constants)
+            }
+            Mode::Count => {
+                on.kernel(&shaders::SEARCH_COUNT, workgroup, &CountConstants { tiles: TILES, ordered: false, turns })
+            }
+            Mode::Nearest | Mode::Paper | Mode::Rows => {
+                let constants = NearestConstants {
+                    tiles: TILES,
+                    ordered,
+                    kernel: question.kernel.number(),
+                    filter: question.filter,
+                    mode: question.mode as u32 - Mode::Nearest as u32,
+                    wide: question.k > self.narrow_bins,
+                    turns,
+                    format,
+                    shading: question.shading.number(),
+                    marked: question.marked,
+                };
+                on.kernel(&shaders::SEARCH_K_NEAREST, workgroup, &constants)
+            }
+        }
     }
 
     /// Evaluates the queries in `range`; `results` are the address of the results, the address of their count,
@@ -214,53 +277,16 @@ impl MapSearch {
         order: u64,
         (results, result_count, capacity): (u64, u64, u64),
     ) -> Result<()> {
-        let subgroup = u64::from(on.limits().subgroup_size.max(1));
-        let workgroup = (TILES * subgroup as u32).min(on.limits().max_workgroup);
+        let workgroup = workgroup(on);
         // An empty map must not be traversed.
         let points = if map.node_count == 0 { 0 } else { map.length };
         let ordered = order != 0;
-        // The other half is reserved for loops outside of the traversal.
-        let turns = if self.turns > 0 { self.turns } else { on.limits().loop_turns / 2 };
+        let turns = self.turns(on);
         if turns > 0 && on.limits().loop_turns > 0 && question.k > MAX_PAUSING {
             let hint = "must be at most 131072 on this device, whose driver limits loop iterations";
             return Err(Error::InvalidSetting { name: "k", value: question.k.to_string(), hint });
         }
-        let format = map.photon_format();
-        let kernel = match question.mode {
-            Mode::Radius => {
-                let constants = RadiusConstants {
-                    tiles: TILES,
-                    ordered,
-                    kernel: question.kernel.number(),
-                    filter: question.filter,
-                    error_moments: question.error_moments != 0,
-                    flat: question.flat,
-                    turns,
-                    format,
-                    shading: question.shading.number(),
-                    marked: question.marked,
-                };
-                on.kernel(&shaders::SEARCH_RADIUS, workgroup, &constants)?
-            }
-            Mode::Count => {
-                on.kernel(&shaders::SEARCH_COUNT, workgroup, &CountConstants { tiles: TILES, ordered: false, turns })?
-            }
-            Mode::Nearest | Mode::Paper | Mode::Rows => {
-                let constants = NearestConstants {
-                    tiles: TILES,
-                    ordered,
-                    kernel: question.kernel.number(),
-                    filter: question.filter,
-                    mode: question.mode as u32 - Mode::Nearest as u32,
-                    wide: question.k > self.narrow_bins,
-                    turns,
-                    format,
-                    shading: question.shading.number(),
-                    marked: question.marked,
-                };
-                on.kernel(&shaders::SEARCH_K_NEAREST, workgroup, &constants)?
-            }
-        };
+        let kernel = self.kernel(on, question, map.photon_format(), ordered);
         let span = u64::from(workgroup);
         let mut push = Push {
             nodes: map.nodes.address(),
@@ -320,6 +346,11 @@ impl MapSearch {
     }
 }
 
+/// The kernel of [`sample`].
+pub(super) fn sample_kernel(on: &mut Vulkan, format: PhotonFormat) -> ComputePipeline {
+    on.kernel(&shaders::SEARCH_SAMPLE, 64, &SampleConstants { format })
+}
+
 /// Fills `queries` with the positions of `count` photons, sampled evenly in the order in which they were
 /// stored.
 pub(super) fn sample(
@@ -330,7 +361,7 @@ pub(super) fn sample(
     radius: f32,
 ) -> Result<()> {
     let (photons, queries) = (map.photons.data_address(), queries.data_address());
-    let kernel = on.kernel(&shaders::SEARCH_SAMPLE, 64, &SampleConstants { format: map.photon_format() })?;
+    let kernel = sample_kernel(on, map.photon_format());
     on.dispatch(
         &kernel,
         &SamplePush { photons, queries, points: map.length, count, radius, reserved: 0 },

@@ -55,7 +55,7 @@ impl VulkanTracer {
             cursors: on.memory("cursors", CURSORS)?,
             chunk: on.memory("stretch", size_of::<Chunk>() as u64)?,
         };
-        let label = match (self.reflections, self.fates == AIMED_FATES) {
+        let label = match (self.paths.reflections, self.paths.fates == AIMED_FATES) {
             (true, _) => "tracing reflected photons",
             (false, true) => "tracing aimed photons",
             (false, false) => "tracing",

@@ -86,8 +86,13 @@ fn the_first_pass_and_forecasts_are_no_measure_of_a_pass() {
     let mut clock = Clock::new();
     clock.pass_begun = Instant::now().checked_sub(Duration::from_secs(20)).unwrap();
     clock.begin_pass();
-    clock.end_pass();
+    clock.end_pass(0.0);
     assert!(clock.pass() < Duration::from_secs(10));
+    // Nor do kernels that a pass waited for.
+    let mut clock = Clock::new();
+    clock.pass_begun = Instant::now().checked_sub(Duration::from_secs(20)).unwrap();
+    clock.end_pass(15.0);
+    assert!((5..7).contains(&clock.pass().as_secs()));
 }
 
 fn passes(plan: impl Into<Plan>) -> u32 {

@@ -44,7 +44,7 @@ fn check(
             let rows = on.nearest(&map, &queries, k, radius).unwrap();
             on.download(&rows, &mut found).unwrap();
             let mut expected = vec![0; places.len() * k as usize];
-            index.nearest_many(places, k as usize, radius * radius, &mut expected);
+            index.nearest_many(places, k as usize, radius * radius, &mut expected).unwrap();
             compare(&format!("{k} nearest within {radius}"), &found, &expected, k as usize)?;
         }
         let counts = on.count_within(&map, &queries, radius).unwrap();
@@ -100,7 +100,7 @@ fn sorted_queries_find_the_same() {
     on.download(&rows, &mut found).unwrap();
     let mut expected = vec![0; places.len() * 20];
     let index = PointIndex::build(&points, IndexKind::Morton).unwrap();
-    index.nearest_many(&places, 20, 0.4 * 0.4, &mut expected);
+    index.nearest_many(&places, 20, 0.4 * 0.4, &mut expected).unwrap();
     assert_eq!(compare("20 nearest", &found, &expected, 20), Ok(()));
 }
 

@@ -119,7 +119,7 @@ fn what_is_not_rendered_is_reported() {
 /// Small files that stand for much: the same zeros, indices or images again and again.
 #[test]
 fn repetition_has_a_limit() {
-    let nodes = vec![r#"{"mesh": 0}"#; 3].join(",");
+    let nodes = [r#"{"mesh": 0}"#; 3].join(",");
     let zeros = File::new()
         .with("nodes", format!("[{nodes}]"))
         .without("scenes")

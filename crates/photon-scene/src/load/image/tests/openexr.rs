@@ -14,7 +14,8 @@ fn texels_are_where_the_data_window_says() {
     let values = [1.0, 2.0, 3.0, 4.0];
     let of = |at, shown| exr_within(&[("R", &values), ("G", &values), ("B", &values)], (at, (2, 2)), shown);
     type Window = ((i32, i32), (usize, usize));
-    let cases: [((i32, i32), Window, &[f32], &[&str]); 6] = [
+    type Case<'a> = ((i32, i32), Window, &'a [f32], &'a [&'a str]);
+    let cases: [Case<'_>; 6] = [
         ((0, 0), ((0, 0), (2, 2)), &[1.0, 2.0, 3.0, 4.0], &[]),
         ((7, -5), ((7, -5), (2, 2)), &[1.0, 2.0, 3.0, 4.0], &[]),
         ((1, 1), ((0, 0), (4, 3)), &[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.0], &["is black"]),

@@ -50,10 +50,16 @@ class Film:
 
         "passes": how many were counted, fewer than `passes` if some are from a file without counts. "paths" and
         "aimed_paths": how many were emitted, and how they ended: absorbed, escaped, terminated (aimed ones at a diffuse surface),
-        truncated, dropped. "stored": photons by map.
+        truncated, dropped. "stored": photons by map. "truncated_camera_paths": unless 0, light is missing beyond `max_bounces`.
         """
-        passes, paths, aimed, stored = self._raw.counts()
-        return {"passes": passes, "paths": dict(paths), "aimed_paths": dict(aimed), "stored": dict(stored)}
+        passes, paths, aimed, stored, cut = self._raw.counts()
+        return {
+            "passes": passes,
+            "paths": dict(paths),
+            "aimed_paths": dict(aimed),
+            "stored": dict(stored),
+            "truncated_camera_paths": cut,
+        }
 
     @cached_property
     def beauty(self) -> np.ndarray:

@@ -103,10 +103,11 @@ impl RawFilm {
         self.info.makers.iter().map(|maker| maker.backend.clone()).collect()
     }
 
-    /// What the photons did: number of passes that were counted, paths that were not aimed, aimed ones, photons stored in maps.
+    /// What the photons did: number of passes that were counted, paths that were not aimed, aimed ones, photons stored in maps,
+    /// truncated camera paths.
     #[expect(clippy::type_complexity, reason = "taken apart by one method")]
-    fn counts(&self) -> (u32, Vec<(&'static str, u64)>, Vec<(&'static str, u64)>, Vec<(&'static str, u64)>) {
-        let FilmTally { passes, photons, aimed, .. } = &self.film.tally;
+    fn counts(&self) -> (u32, Vec<(&'static str, u64)>, Vec<(&'static str, u64)>, Vec<(&'static str, u64)>, u64) {
+        let FilmTally { passes, photons, aimed, truncated_camera_paths, .. } = &self.film.tally;
         let of = |tally: &Tally| {
             vec![
                 ("emitted", tally.emitted),
@@ -118,7 +119,8 @@ impl RawFilm {
             ]
         };
         let stored = self.film.tally.stored();
-        (*passes, of(photons), of(aimed), MapKind::ALL.iter().map(|kind| (kind.name(), stored[*kind])).collect())
+        let stored = MapKind::ALL.iter().map(|kind| (kind.name(), stored[*kind])).collect();
+        (*passes, of(photons), of(aimed), stored, *truncated_camera_paths)
     }
 
     /// A layer, `beauty`, `normal` or `albedo`: rows of pixels from the top, RGB or XYZ, flat.

@@ -12,6 +12,9 @@
 const bool MIRRORS = (FEATURES & FEATURE_MIRROR) != 0u;
 const bool GLASS = (FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0u;
 
+// Most total reflections of a path that may meet `max_bounces` surfaces; one more truncates it.
+uint most_total_reflections(uint max_bounces) { return max(64u, max_bounces / 16u); }
+
 // A surface as hit by one path.
 struct Bsdf {
     uint kind;
@@ -49,6 +52,9 @@ Bsdf bsdf_new(Material material, float cosine, Interface sides) {
 
 // Whether light is both reflected, with probability `reflectance`, and transmitted.
 bool bsdf_splits(Bsdf bsdf) { return kind_transmits(bsdf.kind); }
+
+// Whether a smooth boundary reflects all light: total internal reflection.
+bool bsdf_is_total(Bsdf bsdf) { return GLASS && bsdf.kind == MATERIAL_DIELECTRIC && bsdf.reflectance >= 1.0; }
 
 uint bsdf_choose(Bsdf bsdf, float u) {
     if (bsdf_splits(bsdf)) return u < bsdf.reflectance ? LOBE_SPECULAR_REFLECTION : LOBE_SPECULAR_TRANSMISSION;

@@ -31,6 +31,7 @@ layout(constant_id = 12) const bool MARKED = false;
 #include "shading/constants.glsl"
 #include "film/film.glsl"
 #include "device/grid.glsl"
+#include "device/long_counter.glsl"
 #include "shading/layout.glsl"
 #include "shading/octahedral.glsl"
 #include "shading/random.glsl"
@@ -64,6 +65,8 @@ layout(push_constant, scalar) uniform Push {
     uint start_row;
     uint end_row;
     uint max_bounces;
+    // Number of paths that were truncated.
+    LongCounter truncated;
 } push;
 
 // An active camera path.
@@ -73,6 +76,8 @@ struct Path {
     vec3 throughput;
     uint media;
     uint surfaces;
+    // Number of total reflections.
+    uint total;
     uint splits;
     // Index of this path among the pixel's paths; a key of random numbers.
     uint branch;
@@ -87,6 +92,14 @@ struct Path {
 
 // Whether light that the path finds is not counted in full: where shadow rays or photons find it too.
 bool weighs_lights(Path path) { return path.reflected_pdf > 0.0 || (ALL_LIGHTS && path.shows_all); }
+
+// Whether a path that is to go on has met as many surfaces as it may, or is trapped; it is counted.
+bool truncates(Path path) {
+    bool is_trapped = GLASS && path.total > most_total_reflections(push.max_bounces);
+    if (path.surfaces < push.max_bounces && !is_trapped) return false;
+    count_one(push.truncated);
+    return true;
+}
 
 uvec4 words(uint pixel, uint branch, uint block) {
     return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, DOMAIN_EYE), push.seed);
@@ -204,7 +217,7 @@ void main() {
     Ray ray;
     if (THIN_LENS) ray = lens_ray(across, -down, jitter.zw);
     else ray = camera_ray(across, -down);
-    Path path = Path(ray, vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0), false);
+    Path path = Path(ray, vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0), false);
 
     // No path splits more than twice, so that at most two wait.
     Path waiting[2];
@@ -284,7 +297,8 @@ void main() {
                     alive = false;
                 } else {
                     path.surfaces++;
-                    alive = path.surfaces < push.max_bounces;
+                    if (bsdf_is_total(bsdf)) path.total++;
+                    alive = !truncates(path);
                     Path other;
                     if (alive && go_on(path, other, pixel, at, normal, bsdf, sides.transmitted)) {
                         waiting[waits] = other;

@@ -41,7 +41,7 @@ vec3 light_through(Path path, uint pixel, Surface at, vec3 offset, vec3 normal, 
 // Continues the path by reflection or transmission. Returns whether it goes on.
 bool scatter_path(inout Path path, uint pixel, Surface at, vec3 offset, vec3 normal, Interface sides, RoughGlass glass) {
     path.surfaces++;
-    if (path.surfaces >= push.max_bounces) return false;
+    if (truncates(path)) return false;
     uvec4 random = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
     RoughSample drawn = rough_glass_sample(push.scene, glass, -path.ray.direction, normal, unit_f32(random.x),
         unit_f32(random.y), unit_f32(random.z));

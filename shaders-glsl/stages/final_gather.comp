@@ -13,6 +13,7 @@ layout(constant_id = 2) const uint MEDIA = 1;
 
 #include "shading/constants.glsl"
 #include "device/grid.glsl"
+#include "device/long_counter.glsl"
 #include "shading/layout.glsl"
 #include "shading/octahedral.glsl"
 #include "shading/offset.glsl"
@@ -35,6 +36,9 @@ layout(push_constant, scalar) uniform Push {
     uint start_query;
     uint count_queries;
     uint max_bounces;
+    uint padding;
+    // Number of rays that were truncated.
+    LongCounter truncated;
 } push;
 
 // A position without photons: the query of a ray that hit nothing, whose estimate is 0.
@@ -68,7 +72,9 @@ void main() {
     Query landing =
         Query(vec3(NOWHERE), 1.0, normal, from, vec3(0.0), 0u, 0u, key, 0u, 0u);
     Hit hit;
-    for (uint bounce = 1; counts && bounce <= push.max_bounces; bounce++) {
+    uint total = 0u;
+    uint bounce = 1;
+    for (; counts && bounce <= push.max_bounces; bounce++) {
         uint word = 0u;
         if (RANDOM_SURFACES) word = philox4x32(uvec4(key, block + bounce, push.pass, DOMAIN_GATHER), push.seed).w;
         if (!nearest(push.scene, ray, word, hit)) break;
@@ -132,6 +138,10 @@ void main() {
             Bsdf bsdf = bsdf_new(material, at.cosine, sides);
             uint lobe = bsdf_choose(bsdf, random.x);
             if (lobe != LOBE_DIFFUSE) {
+                if (bsdf_is_total(bsdf) && ++total > most_total_reflections(push.max_bounces)) {
+                    bounce = push.max_bounces + 1u;
+                    break;
+                }
                 throughput *= bsdf_weight(bsdf, lobe);
                 vec3 onward = bsdf_direction(bsdf, lobe, ray.direction, facing, 0.0, 0.0);
                 if (SHADING_NORMALS) onward = shading_on_side(lobe == LOBE_SPECULAR_TRANSMISSION, onward, at.normal);
@@ -154,5 +164,6 @@ void main() {
         if (SHADING_NORMALS) landing.shading_normal = octahedral_pack(facing);
         break;
     }
+    if (bounce > push.max_bounces) count_one(push.truncated);
     push.landings[i].at = landing;
 }

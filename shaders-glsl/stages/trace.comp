@@ -59,7 +59,7 @@ struct State {
     vec3 direction;
     uint media;
     vec3 power;
-    // Flags: only specular surfaces so far; a fifth nested solid was ignored.
+    // Flags: only specular surfaces so far; a fifth nested solid was ignored; number of total reflections << 2.
     uint flags;
     // Number of photons stored in each map so far.
     uint stored[MAP_COUNT];
@@ -133,6 +133,8 @@ struct Path {
     uint media;
     bool specular_only;
     bool too_deep;
+    // Number of total reflections.
+    uint total;
     uint stored[MAP_COUNT];
 };
 
@@ -161,6 +163,7 @@ Path begin(uint number) {
         path.media = start.media;
         path.specular_only = true;
         path.too_deep = false;
+        path.total = 0u;
         [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) path.stored[map] = 0u;
         return path;
     }
@@ -172,6 +175,7 @@ Path begin(uint number) {
     path.media = state.media;
     path.specular_only = (state.flags & 1u) != 0u;
     path.too_deep = NESTED && (state.flags & 2u) != 0u;
+    path.total = state.flags >> 2;
     path.stored = state.stored;
     return path;
 }
@@ -183,7 +187,7 @@ void keep(Path path) {
     state.direction = path.ray.direction;
     state.media = path.media;
     state.power = path.power;
-    state.flags = (path.specular_only ? 1u : 0u) | (path.too_deep ? 2u : 0u);
+    state.flags = (path.specular_only ? 1u : 0u) | (path.too_deep ? 2u : 0u) | (path.total << 2);
     state.stored = path.stored;
     state.numbers = path.numbers.state;
     push.chunk.states[path.index].at = state;
@@ -304,6 +308,7 @@ uint step_path(inout Path path, Hit hit) {
             path.specular_only = false;
         }
         enters = lobe == LOBE_SPECULAR_TRANSMISSION;
+        if (bsdf_is_total(bsdf)) ++path.total;
         survives = photon_simple(bsdf, lobe, choice, arriving, left);
     }
     if (enters) {
@@ -314,7 +319,8 @@ uint step_path(inout Path path, Hit hit) {
     if (!survives) return FATE_ABSORBED;
     path.power = left.power;
     path.ray = left.passes ? surface_pass(at, left.direction) : surface_leave(at, left.direction);
-    return path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
+    bool is_trapped = GLASS && path.total > most_total_reflections(push.max_bounces);
+    return is_trapped || path.bounce >= push.max_bounces ? FATE_TRUNCATED : FATE_NONE;
 }
 
 void finish(Path path, uint fate) {

@@ -233,7 +233,9 @@ macro_rules! whole_suite {
                 g11_irradiance, g11_seen_by_the_camera, g11_seen_in_a_paraboloid, g11_focus_of_a_paraboloid,
                 g11_aimed_at_a_mirror,
             }
-            mirrors_and_glass::{ in_an_even_environment, a_light_in_a_mirror }
+            mirrors_and_glass::{
+                in_an_even_environment, a_light_in_a_mirror, cut_paths_are_counted, cut_gather_rays_are_counted,
+            }
             lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
             views::{ v1_hand_filled_views_are_checked }
             blocks::{ films_of_blocks }

@@ -1,7 +1,7 @@
 //! Scenes of mirrors and smooth glass alone: camera paths find all the light, and no photons are traced.
 
-use photon_core::{EnvironmentMap, Error, Indirect, Pipeline, Render, Settings, View};
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, shapes};
+use photon_core::{Budget, EnvironmentMap, Error, Indirect, Pipeline, Render, Settings, View, render};
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, Surface, shapes};
 
 use crate::harness::TestBackend;
 use crate::stats::assert_agrees;
@@ -103,4 +103,65 @@ pub fn a_light_in_a_mirror<T: TestBackend>() {
     let beauty = shell.film().unwrap().beauty();
     let centre = beauty[(SIZE / 2 * SIZE + SIZE / 2) as usize];
     assert!((centre[0] - 1.5).abs() < 1e-4 && (beauty[0][0] - 3.0).abs() < 1e-4, "{centre:?} {:?}", beauty[0]);
+}
+
+/// A solid whose surface lets every path pass.
+fn smoke() -> MaterialDesc {
+    MaterialDesc::new("smoke", Surface::Dielectric { ior: 1.0, absorption: [0.1; 3], tint: [1.0; 3], roughness: 0.0 })
+}
+
+/// Paths that are cut at the maximum length, counted exactly: around the camera is a ball whose surface lets every path go
+/// on, and at the limit all of them are lost. Where the limit is one surface higher, an index of 1 loses none.
+pub fn cut_paths_are_counted<T: TestBackend>() {
+    let rough = Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3], roughness: 0.4 };
+    let pixels = u64::from(SIZE * SIZE);
+    for (material, max_bounces, lost) in [
+        (MaterialDesc::mirror("mirror", [1.0; 3]), 1, pixels),
+        (MaterialDesc::mirror("mirror", [1.0; 3]), 5, pixels),
+        (MaterialDesc::metal("metal", [1.0; 3], 0.5), 1, pixels),
+        (MaterialDesc::thin("pane", 1.5), 1, pixels),
+        (MaterialDesc::new("rough glass", rough), 1, pixels),
+        (smoke(), 1, pixels),
+        (smoke(), 2, 0),
+        (MaterialDesc::lambert("white", [0.5; 3]), 1, 0),
+    ] {
+        let what = format!("{} and {max_bounces} surfaces", material.name);
+        let mut builder = ball(material);
+        builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap());
+        let projection = Projection::Orthographic { half_height: 0.3 };
+        builder.camera("inside", CameraDesc::new([0.0; 3], [0.1, 0.2, -1.0], [0.0, 1.0, 0.0], projection));
+        let scene = builder.build().unwrap();
+        let view = View { camera: scene.camera(Some("inside"), SIZE, SIZE).unwrap(), width: SIZE, height: SIZE };
+        let settings = Settings { max_bounces, photons: 100, ..Settings::default() };
+        let mut renderer = Pipeline::new(T::make(2), &scene.view(), view, settings).unwrap();
+        let outcome = render(&mut renderer, Budget::passes(2), &mut ()).unwrap();
+        assert_eq!(outcome.truncated_camera_paths, 2 * lost, "{what}");
+        assert_eq!(renderer.film().unwrap().tally.truncated_camera_paths, 2 * lost, "film of {what}");
+    }
+}
+
+/// Rays of final gathering likewise: a floor and a light in a ball of index 1, from which no ray gets out with one surface.
+pub fn cut_gather_rays_are_counted<T: TestBackend>() {
+    const RAYS: u32 = 8;
+    for (max_bounces, lost) in [(1, u64::from(RAYS * SIZE * SIZE)), (2, 0)] {
+        let mut builder = ball(smoke());
+        let floor = builder.material(MaterialDesc::lambert("floor", [0.5; 3]));
+        let corners = [[-0.4, -0.4, 0.0], [0.4, -0.4, 0.0], [0.4, 0.4, 0.0], [-0.4, 0.4, 0.0]];
+        builder.quad("floor", corners, floor);
+        builder.light("light", LightDesc::Point { position: [0.0, 0.0, 0.5], intensity: [1.0; 3] });
+        let projection = Projection::Orthographic { half_height: 0.3 };
+        builder.camera("inside", CameraDesc::new([0.0, 0.0, 0.4], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0], projection));
+        let scene = builder.build().unwrap();
+        let view = View { camera: scene.camera(Some("inside"), SIZE, SIZE).unwrap(), width: SIZE, height: SIZE };
+        let settings = Settings {
+            max_bounces,
+            photons: 100,
+            indirect: Indirect::Gather,
+            gather_rays: RAYS,
+            ..Settings::default()
+        };
+        let mut renderer = Pipeline::new(T::make(2), &scene.view(), view, settings).unwrap();
+        let outcome = render(&mut renderer, Budget::passes(2), &mut ()).unwrap();
+        assert_eq!(outcome.truncated_camera_paths, 2 * lost, "{max_bounces} surfaces");
+    }
 }

@@ -43,11 +43,12 @@ impl TransportBackend for Cpu {
                 reflections: false,
                 terminator_offset: required.terminator_offset,
                 caustic_roughness: required.caustic_roughness(settings),
+                truncated: 0,
             }),
             direct: if required.shadow_rays { Some(Box::new(CpuDirect)) } else { None },
             gather: if required.final_gather {
                 let on_surface = settings.area == Area::Surface;
-                Some(Box::new(CpuGather { max_bounces: settings.max_bounces, on_surface }))
+                Some(Box::new(CpuGather { max_bounces: settings.max_bounces, on_surface, truncated: 0 }))
             } else {
                 None
             },
@@ -62,6 +63,7 @@ impl TransportBackend for Cpu {
                     reflections: true,
                     terminator_offset: required.terminator_offset,
                     caustic_roughness: required.caustic_roughness(settings),
+                    truncated: 0,
                 }),
             }),
             map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },

@@ -51,7 +51,8 @@ impl TransportBackend for Vulkan {
             direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
             gather: if required.final_gather {
                 let area = (settings.area == Area::Surface).then_some(VulkanArea);
-                Some(Box::new(VulkanGather::new(settings.max_bounces, Box::new(VulkanEstimator::default()), area)))
+                let estimator = Box::new(VulkanEstimator::default());
+                Some(Box::new(VulkanGather::new(self, settings.max_bounces, estimator, area)?))
             } else {
                 None
             },

@@ -13,6 +13,9 @@ pub(crate) struct StoredTally {
     pub(crate) passes: u32,
     photons: Counts,
     aimed: Counts,
+    /// Absent from films of older versions.
+    #[serde(default)]
+    truncated_camera_paths: u64,
 }
 
 /// [`Tally`] in `film.json`.
@@ -43,15 +46,21 @@ type Flux = [String; 3];
 impl StoredTally {
     /// `None` if no pass was counted.
     pub(crate) fn new(tally: &FilmTally) -> Option<Self> {
-        let stored =
-            || Self { passes: tally.passes, photons: Counts::new(&tally.photons), aimed: Counts::new(&tally.aimed) };
-        (tally.passes > 0).then(stored)
+        let &FilmTally { passes, truncated_camera_paths, .. } = tally;
+        let stored = || Self {
+            passes,
+            photons: Counts::new(&tally.photons),
+            aimed: Counts::new(&tally.aimed),
+            truncated_camera_paths,
+        };
+        (passes > 0).then(stored)
     }
 
     /// The counts, or what is wrong with them.
     pub(crate) fn read(&self) -> Result<FilmTally, String> {
         let mut tally = FilmTally::default();
         (tally.passes, tally.photons, tally.aimed) = (self.passes, self.photons.read()?, self.aimed.read()?);
+        tally.truncated_camera_paths = self.truncated_camera_paths;
         Ok(tally)
     }
 }

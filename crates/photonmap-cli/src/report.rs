@@ -107,7 +107,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         "predicted": outcome.predicted.as_ref().map(forecast),
         "reached": outcome.reached.as_ref().map(forecast),
         "paths": outcome.paths,
-        "counters": counters(tally, &outcome.aimed),
+        "counters": counters(tally, &outcome.aimed, outcome.truncated_camera_paths),
         // Counts of aimed paths; those that reached a diffuse surface served their purpose.
         "aimed": facts.aimed.map(|_| aimed(&outcome.aimed)),
         "flux": flux(tally),
@@ -115,7 +115,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         "film": details.film.map(|film| json!({
             "passes": film.passes,
             "passes_counted": film.tally.passes,
-            "counters": counters(&film.tally.photons, &film.tally.aimed),
+            "counters": counters(&film.tally.photons, &film.tally.aimed, film.tally.truncated_camera_paths),
             "aimed": facts.aimed.map(|_| aimed(&film.tally.aimed)),
             "flux": flux(&film.tally.photons),
         })),
@@ -162,8 +162,8 @@ fn by_name<T: Into<Value>>(values: PerMap<T>) -> Value {
     Value::Object(fields.collect())
 }
 
-/// Counts of paths that were not aimed, and photons stored and paths too deep of all.
-fn counters(tally: &Tally, aimed: &Tally) -> Value {
+/// Counts of paths that were not aimed, of truncated camera paths, and photons stored and paths too deep of all.
+fn counters(tally: &Tally, aimed: &Tally, truncated_camera_paths: u64) -> Value {
     json!({
         "emitted": tally.emitted,
         "absorbed": tally.absorbed,
@@ -171,6 +171,7 @@ fn counters(tally: &Tally, aimed: &Tally) -> Value {
         "truncated": tally.truncated,
         "dropped": tally.dropped,
         "surfaces": tally.surfaces,
+        "truncated_camera_paths": truncated_camera_paths,
         "too_deep": tally.too_deep.saturating_add(aimed.too_deep),
         "stored": by_name(PerMap::from_fn(|kind| tally.stored[kind].saturating_add(aimed.stored[kind]))),
         "balance": tally.balances(),

@@ -1,5 +1,7 @@
 //! Camera paths, traced to the first diffuse surface.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::memory::{self, OutOfMemory};
@@ -7,7 +9,7 @@ use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32
 use photon_core::{
     Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,
     QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SurfaceInteraction, Vertex, View, anisotropy,
-    gloss_caustics, octahedral, sampling, shading_normal, shadow_terminator,
+    gloss_caustics, most_total_reflections, octahedral, sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
 
@@ -34,6 +36,8 @@ pub(crate) struct CpuEye {
     pub(crate) terminator_offset: bool,
     /// [`photon_core::Requirements::caustic_roughness`].
     pub(crate) caustic_roughness: Option<f32>,
+    /// [`EyeTracer::truncated`].
+    pub(crate) truncated: u64,
 }
 
 /// Label of the memory for the queries of a row.
@@ -52,10 +56,19 @@ impl EyeTracer<Cpu> for CpuEye {
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let Self { max_bounces, hides_background, reflections, terminator_offset, caustic_roughness } = *self;
+        let Self { max_bounces, hides_background, reflections, terminator_offset, caustic_roughness, .. } = *self;
         let caustic_roughness = caustic_roughness.filter(|&least| least <= scene.roughest_caustic);
-        let eye =
-            Eye { scene, view, pass, max_bounces, hides_background, max_splits, terminator_offset, caustic_roughness };
+        let eye = Eye {
+            scene,
+            view,
+            pass,
+            max_bounces,
+            hides_background,
+            max_splits,
+            terminator_offset,
+            caustic_roughness,
+            truncated: AtomicU64::new(0),
+        };
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
         let is_shaded = scene.features.intersects(Features::SHADED);
         let look = match (is_shaded, scene.present.intersects(Features::RANDOM_SURFACES), has_lens) {
@@ -86,6 +99,7 @@ impl EyeTracer<Cpu> for CpuEye {
             });
             traced.collect_into_vec(&mut rows);
         });
+        self.truncated = eye.truncated.into_inner();
         queries.clear();
         for row in rows {
             let row: Result<_, OutOfMemory> = row;
@@ -93,18 +107,23 @@ impl EyeTracer<Cpu> for CpuEye {
         }
         scene.check_caster()
     }
+
+    fn truncated(&mut self, _on: &mut Cpu) -> Result<u64> {
+        Ok(self.truncated)
+    }
 }
 
 pub(crate) struct Eye<'a> {
     pub(crate) scene: &'a CpuScene,
     pub(crate) view: &'a View,
     pass: Pass,
-    pub(crate) max_bounces: u32,
+    max_bounces: u32,
     hides_background: bool,
     pub(crate) max_splits: u32,
     terminator_offset: bool,
     /// Reflections at least this rough show caustics of all lights from photons; `None`: none does.
     caustic_roughness: Option<f32>,
+    truncated: AtomicU64,
 }
 
 /// State of a camera path.
@@ -115,6 +134,8 @@ pub(crate) struct Path {
     pub(crate) throughput: Vec3,
     pub(crate) media: MediumStack,
     pub(crate) surfaces: u32,
+    /// Number of total reflections.
+    total: u32,
     pub(crate) splits: u32,
     /// Index of this path among the pixel's paths; part of the random-number key.
     pub(crate) branch: u32,
@@ -150,6 +171,15 @@ impl Eye<'_> {
         }
     }
 
+    /// Whether a path that is to go on has met as many surfaces as it may, or is trapped; it is counted.
+    pub(super) fn truncates(&self, path: &Path) -> bool {
+        let truncates = path.surfaces >= self.max_bounces || path.total > most_total_reflections(self.max_bounces);
+        if truncates {
+            self.truncated.fetch_add(1, Ordering::Relaxed);
+        }
+        truncates
+    }
+
     /// The random numbers of a path of pixel `number`.
     pub(super) fn sampler(&self, number: u32, branch: u32) -> Sampler {
         let key = number * QUERIES_PER_PIXEL + branch;
@@ -168,6 +198,7 @@ impl Eye<'_> {
             throughput: Vec3::ONE,
             media: MediumStack::from_bits(self.view.camera.media),
             surfaces: 0,
+            total: 0,
             splits: 0,
             branch: 0,
             reflected: Reflection::default(),
@@ -337,7 +368,8 @@ impl Eye<'_> {
             return None;
         }
         path.surfaces += 1;
-        if path.surfaces >= self.max_bounces {
+        path.total += u32::from(bsdf.is_total());
+        if self.truncates(path) {
             return None;
         }
         let go_on = |lobe: Lobe| {

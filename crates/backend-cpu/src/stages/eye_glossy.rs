@@ -247,7 +247,7 @@ impl Eye<'_> {
                 queries.push(query);
             }
         }
-        if !reflects || path.surfaces >= self.max_bounces {
+        if !reflects || self.truncates(path) {
             return None;
         }
         let (direction, reflected) = glossy.sample(-path.ray.direction, at.normal, unit_f32(u), unit_f32(v));

@@ -65,7 +65,7 @@ impl Eye<'_> {
     /// Continues the path by reflection or transmission. Returns whether it goes on.
     pub(crate) fn scatter(&self, path: &mut Path, at: &RoughPoint<'_>, sampler: &impl Fn(u32) -> Sampler) -> bool {
         path.surfaces += 1;
-        if path.surfaces >= self.max_bounces {
+        if self.truncates(path) {
             return false;
         }
         let [choice, u, v, _] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);

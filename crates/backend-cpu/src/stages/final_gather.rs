@@ -1,12 +1,14 @@
 //! Indirect light by final gathering (Jensen 1996).
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use photon_core::glam::Vec3;
 use photon_core::memory::OutOfMemory;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
     Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Layer, Layers, Lobe, MapKind, Maps,
-    MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, Vertex, glossy, octahedral, offset,
-    sampling, shading_normal,
+    MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, Vertex, glossy,
+    most_total_reflections, octahedral, offset, sampling, shading_normal,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -24,6 +26,8 @@ pub(crate) struct CpuGather {
     pub(crate) max_bounces: u32,
     /// Whether estimates where rays land are divided by the area on the surface.
     pub(crate) on_surface: bool,
+    /// [`FinalGather::truncated`].
+    pub(crate) truncated: u64,
 }
 
 impl FinalGather<Cpu> for CpuGather {
@@ -40,7 +44,8 @@ impl FinalGather<Cpu> for CpuGather {
         for (map, gather) in maps.photons.values().chain([&maps.irradiance]).flatten() {
             gather.validate_for(map.photon_format())?;
         }
-        let Self { max_bounces, on_surface } = *self;
+        let Self { max_bounces, on_surface, .. } = *self;
+        let truncated = AtomicU64::new(0);
         let follow =
             match (scene.present.intersects(Features::SHADED), scene.present.intersects(Features::RANDOM_SURFACES)) {
                 (_, true) => follow::<true, true>,
@@ -54,11 +59,15 @@ impl FinalGather<Cpu> for CpuGather {
                 |scratch, _, query, pixel, errors| {
                     let key = query.path;
                     let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
-                    let mut sum = Found::default();
+                    let (mut sum, mut cut) = (Found::default(), 0);
                     for ray in 0..rays {
                         let ray = (ray, rays, errors.is_some());
                         let found = follow(scene, maps, query, sampler, ray, (max_bounces, pass, on_surface), scratch);
                         sum.add(&found, 1.0 / f64::from(rays));
+                        cut += u64::from(found.is_truncated);
+                    }
+                    if cut > 0 {
+                        truncated.fetch_add(cut, Ordering::Relaxed);
                     }
                     deposit(pixel, Layer::Indirect, query.throughput, sum.irradiance);
                     if let Some(errors) = errors {
@@ -67,7 +76,12 @@ impl FinalGather<Cpu> for CpuGather {
                 },
             )
         })?;
+        self.truncated = truncated.into_inner();
         scene.check_caster()
+    }
+
+    fn truncated(&mut self, _on: &mut Cpu) -> Result<u64> {
+        Ok(self.truncated)
     }
 
     fn required_format(&self) -> PhotonFormat {
@@ -98,6 +112,8 @@ struct Found {
     narrow: [f64; 3],
     /// Sum of the photons' power, and sum of its square.
     powers: [f64; 2],
+    /// Whether the ray met as many surfaces as it may, and found nothing.
+    is_truncated: bool,
 }
 
 impl Found {
@@ -179,9 +195,10 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
     }
     let start = MediumStack::from_bits(query.media);
     let mut media = start;
+    let mut total = 0;
     for bounce in 1..=max_bounces {
         let Ok(Some((mut surface, hit))) = scene.hit_with::<ALPHA>(&ray, || sampler.words(block + bounce)[3]) else {
-            break;
+            return Found::default();
         };
         let mut material = &scene.materials[surface.material as usize];
         let evaluated = if SHADED { Some(scene.shade(&surface, &hit)) } else { None };
@@ -215,7 +232,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                     let (direction, reflected) = glossy.sample(wo, normal, u, v);
                     throughput *= reflected.weight(glossy::limited(direction, surface.normal, normal) / first);
                     if throughput == Vec3::ZERO {
-                        break;
+                        return Found::default();
                     }
                     ray = surface.spawn(Lobe::SpecularReflection, direction);
                     continue;
@@ -238,7 +255,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 let (geometric, shading) = (towards(surface.normal), towards(normal));
                 throughput *= sampled.found.weight(glossy::limited(sampled.direction, geometric, shading));
                 if throughput == Vec3::ZERO {
-                    break;
+                    return Found::default();
                 }
                 media = if stays { interface.before } else { interface.transmitted };
                 ray = surface.spawn(sampled.lobe, sampled.direction);
@@ -247,6 +264,10 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
             Scattering::Simple(bsdf) => {
                 let lobe = bsdf.choose(if bsdf.split().is_some() { words()[0] } else { 0.0 });
                 if lobe != Lobe::Diffuse {
+                    total += u32::from(bsdf.is_total());
+                    if total > most_total_reflections(max_bounces) {
+                        break;
+                    }
                     throughput *= bsdf.weight(lobe);
                     let mut direction = bsdf.direction(lobe, ray.direction, normal, 0.0, 0.0);
                     if SHADED {
@@ -305,5 +326,5 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         // Outgoing radiance is irradiance × albedo / π; the π cancels.
         return found.times(throughput.to_array());
     }
-    Found::default()
+    Found { is_truncated: true, ..Found::default() }
 }

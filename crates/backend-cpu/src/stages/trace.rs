@@ -10,7 +10,7 @@ use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Batch, Deposits, Fate, Features, FixedFlux, Hit, Layers, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
     PhotonFormat, PhotonRay, Ray, Requirements, Result, Scattering, Scheduling, Settings, SkipLimit,
-    SurfaceInteraction, Tally, Tracer, Vertex, gloss_caustics, octahedral, shading_normal,
+    SurfaceInteraction, Tally, Tracer, Vertex, gloss_caustics, most_total_reflections, octahedral, shading_normal,
 };
 
 use self::kernel::{AIMED, BATCHED, NESTED, REFLECTED, REFLECTIONS, SHADED, kernel};
@@ -160,6 +160,7 @@ pub(super) struct PausedPath {
     specular_only: bool,
     media: MediumStack,
     too_deep: bool,
+    total: u32,
 }
 
 impl Walk<'_> {
@@ -198,15 +199,19 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     let mut specular_only = true;
     let mut media = MediumStack::from_bits(start.media);
     let mut too_deep = false;
+    // Number of total reflections.
+    let mut total = 0;
     let mut first = 0;
     let resumed = if F & BATCHED != 0 { paused.path.take() } else { None };
     if let Some(path) = resumed {
         (ray, power, flux, first) = (path.ray, path.power, path.flux, path.bounce);
         (sampler, specular_only, media, too_deep) = (path.sampler, path.specular_only, path.media, path.too_deep);
+        total = path.total;
     } else {
         tally.emitted += 1;
         tally.flux_emitted.add(flux);
     }
+    let most_total = most_total_reflections(walk.max_bounces);
     for bounce in first..walk.max_bounces {
         // NaN fails the comparison too.
         let sane = ray.origin.is_finite() && ray.direction.is_finite() && power.abs().max_element() <= Fate::MAX_POWER;
@@ -216,7 +221,8 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         let block = BLOCK_SURFACES + bounce;
         let found = if F & BATCHED != 0 {
             let Some(hit) = paused.hit.take() else {
-                paused.path = Some(PausedPath { ray, bounce, sampler, power, flux, specular_only, media, too_deep });
+                paused.path =
+                    Some(PausedPath { ray, bounce, sampler, power, flux, specular_only, media, too_deep, total });
                 return;
             };
             Ok(hit.map(|hit| (scene.interaction(&ray, &hit), hit)))
@@ -323,6 +329,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             Scattering::Simple(bsdf) => {
                 let lobe = bsdf.choose(choice);
                 enter(lobe, tally);
+                total += u32::from(bsdf.is_total());
                 if lobe == Lobe::Diffuse {
                     if stores && !reflections {
                         store.add(power, tally);
@@ -345,6 +352,9 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         power = left.power;
         ray = surface.spawn(left.lobe, left.direction);
         carry(power, &mut flux, tally);
+        if total > most_total {
+            break;
+        }
     }
     tally.end(Fate::Truncated, flux);
 }

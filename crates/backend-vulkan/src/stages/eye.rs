@@ -12,6 +12,7 @@ use crate::film::VulkanFilm;
 use crate::scan::Scan;
 use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
+use crate::stages::truncated::TruncatedPaths;
 use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
@@ -32,6 +33,7 @@ pub(crate) struct VulkanEye {
     paths: EyePaths,
     scan: Scan,
     camera: Memory,
+    truncated: TruncatedPaths,
     scratch: Option<EyeScratch>,
 }
 
@@ -73,11 +75,12 @@ struct EyePush {
     start_row: u32,
     end_row: u32,
     max_bounces: u32,
+    truncated: u64,
 }
 
 pushed!(
     eye_push_layout: EyePush => STAGES_EYE,
-    scene camera first emission found counts seed pass width height start_row end_row max_bounces
+    scene camera first emission found counts seed pass width height start_row end_row max_bounces truncated
 );
 
 #[repr(C)]
@@ -124,7 +127,8 @@ impl VulkanEye {
     /// Constructs a tracer for camera paths.
     pub(crate) fn new(on: &mut Vulkan, settings: &Settings, paths: EyePaths) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
-        Ok(Self { max_bounces: settings.max_bounces, paths, scan: Scan::new(on)?, camera, scratch: None })
+        let (scan, truncated) = (Scan::new(on)?, TruncatedPaths::new(on)?);
+        Ok(Self { max_bounces: settings.max_bounces, paths, scan, camera, truncated, scratch: None })
     }
 }
 
@@ -215,6 +219,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let Some(scratch) = &self.scratch else { return Ok(()) };
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
+        let truncated = self.truncated.start(on, features(&scene.kind, view))?;
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
         let emission = if finds_light(&scene.kind, view) { film.layer_address(on, Layer::Emission)? } else { 0 };
         let tile_rows = tile_rows_log2(view);
@@ -236,6 +241,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
                 start_row,
                 end_row,
                 max_bounces: self.max_bounces,
+                truncated,
             };
             let tiles_down = (end_row - start_row).div_ceil(1 << tile_rows);
             let tiles = u64::from(view.width.div_ceil(32 >> tile_rows)) * u64::from(tiles_down);
@@ -245,6 +251,10 @@ impl EyeTracer<Vulkan> for VulkanEye {
         self.scan.exclusive(on, counts, offsets, u64::from(pixels), queries.count_address())?;
         queries.touch();
         close_ranks(on, [&compact, &settle], scratch, queries, in_place, splits, pixels)
+    }
+
+    fn truncated(&mut self, on: &mut Vulkan) -> Result<u64> {
+        self.truncated.read(on)
     }
 }
 

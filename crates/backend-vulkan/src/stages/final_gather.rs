@@ -12,6 +12,7 @@ use crate::film::{self, VulkanFilm};
 use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
 use crate::stages::area::VulkanArea;
+use crate::stages::truncated::TruncatedPaths;
 use crate::vulkan::Vulkan;
 
 /// Invocations per workgroup.
@@ -26,6 +27,7 @@ pub(crate) struct VulkanGather {
     area: Option<VulkanArea>,
     landed: Option<(VulkanBuffer<Query>, VulkanBuffer<Estimate>)>,
     errors: Option<ErrorBuffers>,
+    truncated: TruncatedPaths,
 }
 
 /// Error moments of each gather ray's hit, and their sums for each query.
@@ -49,11 +51,12 @@ struct GatherPush {
     count_queries: u32,
     max_bounces: u32,
     padding: u32,
+    truncated: u64,
 }
 
 pushed!(
     gather_push_layout: GatherPush => STAGES_FINAL_GATHER,
-    scene queries landings seed pass rays start_ray count_rays start_query count_queries max_bounces padding
+    scene queries landings seed pass rays start_ray count_rays start_query count_queries max_bounces padding truncated
 );
 
 #[repr(C)]
@@ -90,11 +93,13 @@ impl VulkanGather {
     /// Constructs a gatherer for paths of at most `max_bounces` surfaces; `estimator` reads the maps, and with `area` divides by
     /// the area on the surface.
     pub(crate) fn new(
+        on: &mut Vulkan,
         max_bounces: u32,
         estimator: Box<dyn RadianceEstimator<Vulkan>>,
         area: Option<VulkanArea>,
-    ) -> Self {
-        Self { max_bounces, estimator, area, landed: None, errors: None }
+    ) -> Result<Self> {
+        let truncated = TruncatedPaths::new(on)?;
+        Ok(Self { max_bounces, estimator, area, landed: None, errors: None, truncated })
     }
 }
 
@@ -157,6 +162,7 @@ impl FinalGather<Vulkan> for VulkanGather {
     ) -> Result<()> {
         let length = on.length(queries)?;
         let rays = rays.max(1);
+        let truncated = self.truncated.start(on, scene.kind.features)?;
         if length == 0 || maps.paths.values().all(|&paths| paths == 0) {
             return Ok(());
         }
@@ -199,6 +205,7 @@ impl FinalGather<Vulkan> for VulkanGather {
                     count_queries,
                     max_bounces: self.max_bounces,
                     padding: 0,
+                    truncated,
                 };
                 on.dispatch(&follow, &push, count.div_ceil(u64::from(GROUP)))?;
                 on.set_length(&mut landings, count)?;
@@ -246,6 +253,10 @@ impl FinalGather<Vulkan> for VulkanGather {
             self.errors = Some(errors);
         }
         film::accumulate_values(on, film, Layer::Indirect, queries)
+    }
+
+    fn truncated(&mut self, on: &mut Vulkan) -> Result<u64> {
+        self.truncated.read(on)
     }
 
     fn required_format(&self) -> PhotonFormat {

@@ -9,5 +9,6 @@ pub(crate) mod irradiance;
 mod tally;
 pub(crate) mod trace;
 mod trace_plan;
+mod truncated;
 
 pub use trace_plan::TracePlan;

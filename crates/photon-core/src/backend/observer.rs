@@ -85,6 +85,8 @@ pub struct PassReport {
     pub tally: Tally,
     /// Counts and flux of its aimed paths, which `tally` does not include.
     pub aimed: Tally,
+    /// Camera paths and final-gather rays that were truncated ([`crate::EyeTracer::truncated`]).
+    pub truncated_camera_paths: u64,
     /// Search radius of each map, user space; `None`: the map was not built.
     pub radius: PerMap<Option<f64>>,
     /// Number of points at which radiance was estimated.

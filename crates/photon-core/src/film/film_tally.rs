@@ -1,10 +1,10 @@
-//! What the photons of a film did, so that continued and merged renders report all of their passes.
+//! What the photons and camera paths of a film did, so that continued and merged renders report all of their passes.
 
 use crate::backend::observer::PassReport;
 use crate::backend::tally::Tally;
 use crate::requirements::map_kind::PerMap;
 
-/// Counts and flux of the photons of a film's passes. They are sums of integers: exact, in any order.
+/// Counts and flux of the photons of a film's passes, and truncated camera paths. They are sums of integers: exact, in any order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct FilmTally {
@@ -15,6 +15,8 @@ pub struct FilmTally {
     pub photons: Tally,
     /// Aimed paths.
     pub aimed: Tally,
+    /// Camera paths and final-gather rays that were truncated ([`crate::EyeTracer::truncated`]).
+    pub truncated_camera_paths: u64,
 }
 
 impl FilmTally {
@@ -26,7 +28,12 @@ impl FilmTally {
 
     /// Adds a pass.
     pub(crate) fn add(&mut self, report: &PassReport) {
-        self.merge(&Self { passes: 1, photons: report.tally, aimed: report.aimed });
+        self.merge(&Self {
+            passes: 1,
+            photons: report.tally,
+            aimed: report.aimed,
+            truncated_camera_paths: report.truncated_camera_paths,
+        });
     }
 
     /// Adds the counts of other passes.
@@ -34,5 +41,6 @@ impl FilmTally {
         self.passes = self.passes.saturating_add(other.passes);
         self.photons.merge(&other.photons);
         self.aimed.merge(&other.aimed);
+        self.truncated_camera_paths = self.truncated_camera_paths.saturating_add(other.truncated_camera_paths);
     }
 }

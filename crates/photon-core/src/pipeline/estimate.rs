@@ -19,8 +19,9 @@ pub(super) fn is_shown(settings: &Settings, kind: MapKind) -> bool {
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Builds the maps, estimates from them at the queries, and adds the results to the film.
-    pub(super) fn estimate(&mut self, index: u32, sent: &Sent, queries: u64) -> Result<()> {
+    /// Builds the maps, estimates from them at the queries, and adds the results to the film. Returns the number of
+    /// final-gather rays that were truncated.
+    pub(super) fn estimate(&mut self, index: u32, sent: &Sent, queries: u64) -> Result<u64> {
         self.on.mark(Some(Stage::Build));
         let paths = sent.per_map();
         let maps = self.build_maps(index, &paths)?;
@@ -30,12 +31,16 @@ impl<B: TransportBackend> Pipeline<B> {
                 self.show(built, pass)?;
             }
         }
+        let mut truncated = 0;
         if queries > 0 {
             self.gather(&maps, pass, paths, self.settings.gather_rays)?;
+            if let Some(stage) = &mut self.stages.gather {
+                truncated = stage.truncated(&mut self.on)?;
+            }
         }
         self.on.mark(None);
         self.reclaim_maps(maps);
-        Ok(())
+        Ok(truncated)
     }
 
     /// Adds the light that `rays` final-gather rays from each query find in the maps to the film, if there is final gathering.

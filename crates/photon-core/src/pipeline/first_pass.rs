@@ -96,7 +96,7 @@ impl<B: TransportBackend> Pipeline<B> {
     fn rendered(&mut self, paths: u32) -> Result<(Film, StageTimings)> {
         self.on.timings()?;
         let sent = self.emit_and_trace(0, paths, &mut ())?;
-        let queries = self.look(0)?;
+        let (queries, _) = self.look(0)?;
         self.estimate(0, &sent, queries)?;
         self.on.end_pass(&mut self.film)?;
         let seconds = self.on.timings()?;

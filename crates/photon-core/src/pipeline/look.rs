@@ -6,8 +6,8 @@ use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Traces camera paths, and computes direct light.
-    pub(super) fn look(&mut self, index: u32) -> Result<u64> {
+    /// Traces camera paths, and computes direct light. Returns the number of queries, and of paths that were truncated.
+    pub(super) fn look(&mut self, index: u32) -> Result<(u64, u64)> {
         let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
         self.on.mark(Some(Stage::Eye));
         self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
@@ -26,6 +26,6 @@ impl<B: TransportBackend> Pipeline<B> {
             direct.light(&mut self.on, &self.scene, pass, &self.queries, rays, &mut self.film)?;
         }
         self.on.mark(None);
-        Ok(self.on.fill(&self.queries)?.length)
+        Ok((self.on.fill(&self.queries)?.length, self.stages.eye.truncated(&mut self.on)?))
     }
 }

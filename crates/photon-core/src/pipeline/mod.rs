@@ -438,12 +438,11 @@ impl<B: TransportBackend> Pipeline<B> {
             self.on.timings()?;
             return Ok(PassEnd::Cancelled);
         }
-        let queries = self.look(index).and_then(|queries| {
-            self.estimate(index, &sent, queries)?;
-            Ok(queries)
-        });
-        let queries = match queries {
-            Ok(queries) => queries,
+        let seen = self
+            .look(index)
+            .and_then(|(queries, truncated)| Ok((queries, truncated + self.estimate(index, &sent, queries)?)));
+        let (queries, truncated_camera_paths) = match seen {
+            Ok(seen) => seen,
             Err(error) => {
                 // The contributions of earlier passes are kept.
                 self.on.abandon_pass(&mut self.film)?;
@@ -468,6 +467,7 @@ impl<B: TransportBackend> Pipeline<B> {
             paths: u64::from(sent.paths),
             tally: sent.tally,
             aimed: sent.aimed_tally,
+            truncated_camera_paths,
             radius,
             queries,
             seconds: self.on.timings()?,

@@ -136,6 +136,9 @@ pub struct Outcome {
     pub tally: Tally,
     /// Counts and flux of aimed paths, which `tally` does not include.
     pub aimed: Tally,
+    /// Camera paths and final-gather rays that were truncated ([`crate::EyeTracer::truncated`]): unless 0, light is missing
+    /// from the picture.
+    pub truncated_camera_paths: u64,
     /// Seconds per stage.
     pub seconds: StageTimings,
     /// The last pass in the film.
@@ -157,6 +160,7 @@ impl Outcome {
         self.paths += report.paths;
         self.tally.merge(&report.tally);
         self.aimed.merge(&report.aimed);
+        self.truncated_camera_paths += report.truncated_camera_paths;
         self.seconds.merge(&report.seconds);
         self.last = Some(report);
     }
@@ -167,6 +171,7 @@ impl Outcome {
         self.paths += other.paths;
         self.tally.merge(&other.tally);
         self.aimed.merge(&other.aimed);
+        self.truncated_camera_paths += other.truncated_camera_paths;
         self.seconds.merge(&other.seconds);
         self.last = other.last.or(self.last.take());
     }

@@ -211,7 +211,7 @@ pub struct Settings {
     /// ([`crate::GlossCaustics`]). Without effect if [`Settings::caustics`] is false, and with [`Estimator::Paper`].
     pub caustic_roughness: Option<f32>,
     /// Maximum path length, counted in surfaces met, in `[1, 65536]`; for photon paths and camera paths. Light beyond it is
-    /// missing; the default lets 40 panes of clear glass one behind another, of two surfaces each, pass all of it.
+    /// missing, and such paths are counted ([`crate::FilmTally`]); the default lets 40 panes of clear glass one behind another, of two surfaces each, pass all of it.
     pub max_bounces: u32,
     /// Key of all random numbers.
     pub seed: u64,

@@ -13,6 +13,15 @@ use crate::sampling;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::Interface;
 
+/// Most total reflections of a path that may meet `max_bounces` surfaces; one more truncates it. Light that is trapped in a
+/// solid meets thousands of surfaces, for nothing, and a GPU waits for the longest path.
+#[inline]
+#[must_use]
+pub const fn most_total_reflections(max_bounces: u32) -> u32 {
+    let part = max_bounces / 16;
+    if part > 64 { part } else { 64 }
+}
+
 /// A component of a [`Bsdf`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 // Exhaustive: backends must follow each.
@@ -83,6 +92,13 @@ impl Bsdf {
     #[must_use]
     pub fn split(&self) -> Option<f32> {
         self.kind.transmits().then_some(self.reflectance)
+    }
+
+    /// Whether a smooth boundary reflects all light: total internal reflection.
+    #[inline]
+    #[must_use]
+    pub fn is_total(&self) -> bool {
+        self.kind == MaterialKind::Dielectric && self.reflectance >= 1.0
     }
 
     /// The lobe that `u`, uniform in `[0, 1)`, selects. If there is a single lobe, `u` is not used.

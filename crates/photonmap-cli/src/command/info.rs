@@ -93,6 +93,10 @@ fn counted(info: &FilmInfo) -> Vec<(&'static str, String)> {
         let depth = MediumStack::DEPTH;
         lines.push(("warning", format!("{too_deep} paths entered more than {depth} overlapping solids at once")));
     }
+    if info.tally.truncated_camera_paths > 0 {
+        let text = format!("{} truncated; the light beyond is missing", info.tally.truncated_camera_paths);
+        lines.push(("camera paths", text));
+    }
     if u64::from(*passes) < all {
         lines.push(("counted", format!("{passes} of {all} passes; the others are from a file without counts")));
     }
@@ -123,9 +127,9 @@ mod tests {
         (photons.emitted, photons.absorbed, photons.too_deep) = (1, 1, 3);
         photons.flux_emitted.add(one);
         photons.flux_absorbed.add(one);
-        info.tally.passes = 3;
+        (info.tally.passes, info.tally.truncated_camera_paths) = (3, 7);
         let shown = text(&info);
-        for part in ["1 emitted: 1 absorbed", "3 of 4 passes", "3 paths entered more than"] {
+        for part in ["1 emitted: 1 absorbed", "3 of 4 passes", "3 paths entered more than", "7 truncated"] {
             assert!(shown.contains(part), "{part}: {shown}");
         }
         assert!(!shown.contains("WRONG") && !shown.contains("aimed"), "{shown}");

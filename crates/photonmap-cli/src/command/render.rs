@@ -72,7 +72,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         None
     };
     let seconds_total = begun.elapsed().as_secs_f64();
-    if let Some(warning) = too_deep(&outcome) {
+    for warning in too_deep(&outcome).into_iter().chain(truncated(&outcome, settings.max_bounces)) {
         say!("warning: {warning}");
         warnings.push(warning);
     }
@@ -200,6 +200,17 @@ fn too_deep(outcome: &Outcome) -> Option<String> {
             "{paths} photon paths entered more than {} overlapping solids at once; further ones were ignored there: merge \
              solids, or close meshes that are open",
             photon_core::MediumStack::DEPTH
+        )
+    })
+}
+
+/// A warning about paths that met as many surfaces as they may.
+fn truncated(outcome: &Outcome, max_bounces: u32) -> Option<String> {
+    let (seen, photons) = (outcome.truncated_camera_paths, outcome.tally.truncated + outcome.aimed.truncated);
+    (seen > 0 || photons > 0).then(|| {
+        format!(
+            "{seen} camera paths and {photons} photon paths ended after {max_bounces} surfaces, and the light beyond is \
+             missing: raise --max-bounces"
         )
     })
 }

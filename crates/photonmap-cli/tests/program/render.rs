@@ -216,6 +216,24 @@ fn lights_that_get_too_few_photons_are_named() {
     }
 }
 
+/// Paths that are cut are a warning that names the remedy, and are in the report; where none is, there is neither.
+#[test]
+fn cut_paths_are_told() {
+    let folder = folder("cut-paths");
+    let (picture, json) = (folder.join("a.png"), folder.join("a.json"));
+    let paths = [picture.to_str().unwrap(), json.to_str().unwrap()];
+    for (max_bounces, cuts) in [("1", true), ("1024", false)] {
+        let all = ["cornell-glass", "--size", "16x16", "--passes", "1", "--backend", "cpu", "--photons", "100"];
+        let output =
+            render(&[all.as_slice(), &["--max-bounces", max_bounces, "-o", paths[0], "--json", paths[1]]].concat());
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(text.contains("light beyond is missing: raise --max-bounces"), cuts, "{text}");
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        let count = |of: &serde_json::Value| of["counters"]["truncated_camera_paths"].as_u64().unwrap();
+        assert_eq!(count(&report) > 0, cuts, "{report:#}");
+    }
+}
+
 /// A grey triangle before an even environment of radiance 1: where it covers a pixel, its radiance is its albedo.
 #[test]
 fn transparent_pictures_have_the_alpha_of_their_format() {

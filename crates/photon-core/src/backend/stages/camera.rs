@@ -21,6 +21,13 @@ pub trait EyeTracer<B: TransportBackend>: Send {
         film: &mut B::Film,
         queries: &mut B::Buffer<Query>,
     ) -> Result<()>;
+
+    /// Number of paths of the last [`EyeTracer::trace_eye`] that were to go on where they met the last surface that
+    /// [`crate::Settings::max_bounces`] allows. The light beyond is missing from the film.
+    ///
+    /// # Errors
+    /// Errors of the backend, including deferred ones.
+    fn truncated(&mut self, on: &mut B) -> Result<u64>;
 }
 
 /// Direct light by next-event estimation.

@@ -78,6 +78,13 @@ pub trait FinalGather<B: TransportBackend>: Send {
         film: &mut B::Film,
     ) -> Result<()>;
 
+    /// Number of rays of the last [`FinalGather::gather`] that were to go on where they met the last surface that
+    /// [`crate::Settings::max_bounces`] allows.
+    ///
+    /// # Errors
+    /// Errors of the backend, including deferred ones.
+    fn truncated(&mut self, on: &mut B) -> Result<u64>;
+
     /// Like [`crate::Tracer::required_format`].
     fn required_format(&self) -> PhotonFormat {
         PhotonFormat::Full

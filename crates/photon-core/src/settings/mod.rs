@@ -210,8 +210,9 @@ pub struct Settings {
     /// small. `None`: only light of point, spot and directional lights, which no camera path finds
     /// ([`crate::GlossCaustics`]). Without effect if [`Settings::caustics`] is false, and with [`Estimator::Paper`].
     pub caustic_roughness: Option<f32>,
-    /// Maximum path length, counted in surfaces met, in `[1, 65536]`; for photon paths and camera paths. Light beyond it is
-    /// missing, and such paths are counted ([`crate::FilmTally`]); the default lets 40 panes of clear glass one behind another, of two surfaces each, pass all of it.
+    /// Maximum path length, counted in surfaces met, in `[1, 65536]`; for photon paths and camera paths. Light beyond it, and
+    /// after too many total reflections ([`crate::most_total_reflections`]), is missing, and such paths are counted
+    /// ([`crate::FilmTally`]); the default lets 40 panes of clear glass, one behind another, pass all of it.
     pub max_bounces: u32,
     /// Key of all random numbers.
     pub seed: u64,

@@ -1,6 +1,15 @@
 """Photon mapping on CPUs and GPUs, and exact nearest-neighbour searches in three dimensions."""
 
-from ._errors import DeviceError, Error, FileError, ForkError, InputError, OutOfMemoryError
+from ._errors import (
+    DeviceError,
+    Error,
+    FileError,
+    ForkError,
+    InputError,
+    Interrupted,
+    OutOfMemoryError,
+    SceneWarning,
+)
 from ._film import Film
 from ._kdtree import KDTree
 from ._materials import Glass, Lambert, Material, Metal, Mirror, Plastic
@@ -21,6 +30,7 @@ __all__ = [
     "ForkError",
     "Glass",
     "InputError",
+    "Interrupted",
     "KDTree",
     "Lambert",
     "Material",
@@ -32,6 +42,7 @@ __all__ = [
     "Plastic",
     "Progress",
     "Scene",
+    "SceneWarning",
     "Settings",
     "Texture",
     "builtin_scenes",

@@ -11,12 +11,12 @@ import itertools
 import os
 import pickle
 import time
-import warnings
 from collections import Counter
 from typing import Any, Callable, Generator
 
 from ._early import SPILLED, EarlyBlocks
-from ._errors import DeviceError, Error, FileError, InputError
+from ._errors import DeviceError, Error, FileError, InputError, Interrupted, warn
+from ._film import Film
 from ._job import Job, work
 from ._photonmap import RawFilm, add_blocks
 from ._progress import Reporter
@@ -77,10 +77,12 @@ def render_blocks(
                     film.save(path)
                     unsaved = False
                 except FileError as why:
-                    warnings.warn(f"{why}; rendering goes on", RuntimeWarning, stacklevel=3)
+                    warn(f"{why}; rendering goes on", RuntimeWarning)
                 written = time.monotonic()
             if not reporter.add(grain) or _is_reached(film, job, target, grain):
                 break
+    except KeyboardInterrupt:
+        raise _interrupted(film) from None
     finally:
         # Blocks that were finished before an error or Ctrl-C are kept.
         blocks.close()
@@ -89,6 +91,10 @@ def render_blocks(
     if film is None:
         raise DeviceError(_NOTHING)
     return film
+
+
+def _interrupted(film: RawFilm | None) -> Interrupted:
+    return Interrupted(Film(film) if film is not None and film.passes > 0 else None)
 
 
 _NOTHING = "stopped before a block of passes was finished"
@@ -116,7 +122,12 @@ def _local(
     """Blocks by the devices of this process."""
     renderer = job.renderer()
     film = renderer.empty(grain) if film is None else film
-    if not add_blocks(film, renderer, passes, grain, target, None if path is None else (path, checkpoint), reporter):
+    file = None if path is None else (path, checkpoint)
+    try:
+        has_passes = add_blocks(film, renderer, passes, grain, target, file, reporter)
+    except KeyboardInterrupt:
+        raise _interrupted(film) from None
+    if not has_passes:
         raise DeviceError(_NOTHING)
     return film
 

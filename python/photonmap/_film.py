@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import sys
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ._errors import InputError
+from ._materials import number
 from ._photonmap import RawFilm, check_writable, write_bytes
 
 __all__ = ["Film"]
@@ -107,25 +109,44 @@ class Film:
         """Mean albedo of the first surface."""
         return self._colors("albedo")
 
+    def denoise(self) -> np.ndarray:
+        """The picture, denoised by Open Image Denoise 2 with albedo and normal, as `photonmap render --denoise` does.
+
+        Where the film has `error_bound`, the mean over RGB stays within it. `pip install pyoidn` installs the library, without
+        which it is a `DeviceError`. Not for transparent backgrounds.
+        """
+        return self._raw.denoised(sys.prefix).reshape(*self.shape, 3)
+
     def save(
-        self, path: str | os.PathLike[str], *, exposure: float | None = 0.0, tonemap: str = "neutral"
+        self,
+        path: str | os.PathLike[str],
+        *,
+        exposure: float | str | None = "auto",
+        tonemap: str = "neutral",
+        denoise: bool = False,
     ) -> None:
         """Writes a picture or a film, atomically.
 
         .exr: all layers, linear. .png: tone-mapped by "neutral", "agx", "aces", "reinhard" or "none", after an `exposure` in
-        stops; None: automatic. .film: the sums themselves, which `render(film=)` continues.
+        stops; "auto" or None: automatic. `denoise`: both as `denoise()` gives it. .film: the sums themselves, which `render(film=)`
+        continues.
         """
         name = os.fspath(path)
         check_name(name)
+        environment = sys.prefix if denoise else None
         if name.lower().endswith(".exr"):
-            self._raw.save_exr(name)
+            self._raw.save_exr(name, environment)
         elif name.lower().endswith(".film"):
+            if denoise:
+                raise InputError(f"{name}: a film has the sums as they are; denoise pictures of it, .exr or .png")
             self._raw.save(name)
         else:
-            write_bytes(name, self._raw.png(exposure, tonemap))
+            is_automatic = exposure is None or (isinstance(exposure, str) and exposure == "auto")
+            stops = None if is_automatic else number("exposure", exposure)
+            write_bytes(name, self._raw.png(stops, tonemap, environment))
 
     def _repr_png_(self) -> bytes:
-        return self._raw.png(None, "neutral")
+        return self._raw.png(None, "neutral", None)
 
     def _colors(self, name: str) -> np.ndarray:
         return self._raw.colors(name).reshape(*self.shape, 3)

@@ -20,7 +20,7 @@ class KDTree:
     Methods and results follow `scipy.spatial.KDTree`. Neighbours and distances are those of the given numbers in double
     precision; of equal distances, the lower index comes first.
 
-    `points`: (n, 3) real numbers, copied. `device`: "cpu", "gpu" or "gpu:1" (Vulkan; k-NN and counts). `leafsize`,
+    `points`: (n, 3) real numbers, copied. `device`: "auto", which is the CPU, "cpu", "gpu" or "gpu:1" (Vulkan; k-NN and counts). `leafsize`,
     `compact_nodes`, `copy_data` and `balanced_tree` are accepted for compatibility, and ignored.
     """
 
@@ -33,11 +33,12 @@ class KDTree:
         balanced_tree: bool = True,
         boxsize: None = None,
         *,
-        device: str = "cpu",
+        device: str = "auto",
     ) -> None:
         if boxsize is not None:
             raise InputError("boxsize is not supported: give copies of the points near the sides of the box instead")
-        name = gpu(device)
+        # Of which the search pays more rarely than it does not: see docs/python.md.
+        name = gpu(device, prefers=False)
         flat = _vectors("points", points)
         if np.ndim(points) != 2:
             raise InputError(f"points has the shape {np.shape(points)}, but must have (n, 3)")

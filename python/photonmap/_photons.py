@@ -50,18 +50,19 @@ def trace(
     photons: int = 200_000,
     *,
     settings: Settings | None = None,
-    device: str = "cpu",
+    device: str = "auto",
     threads: int | None = None,
+    environment: Any = None,
     **fields: Any,
 ) -> Photons:
     """Traces so many paths of light, and returns the photons that they leave at diffuse surfaces.
 
     Paths are those of the first pass of a render, none of them aimed at glass. `settings` and further keyword arguments are
-    those of `render`, such as `seed=1`.
+    those of `render`, such as `seed=1`, and so are `device` and `environment`.
     """
     count = _whole("photons", photons, 2**32 - 1)
     chosen = (Settings() if settings is None else settings).replace(photons=count, **fields)
-    arrays = trace_photons(_scene(scene, None, chosen.memory)._raw(), chosen.to_json(), _device(device, threads))
+    arrays = trace_photons(_scene(scene, None, environment, chosen.memory)._raw(), chosen.to_json(), _device(device, threads))
     position, normal, direction, power = (array.reshape(-1, 3) for array in arrays[:4])
     return Photons(position, normal, direction, power, arrays[4])
 
@@ -69,11 +70,12 @@ def trace(
 class PhotonMap:
     """Photons of one's own, arranged for density estimation.
 
-    `position`, `normal` (n, 3): of the surface where each photon arrived. `power`: (n,) or (n, 3), watts.
+    `position`, `normal` (n, 3): of the surface where each photon arrived. `power`: (n,) or (n, 3), watts. `device`: as of
+    `KDTree`.
     """
 
     def __init__(
-        self, position: Any, normal: Any, power: Any, *, device: str = "cpu", threads: int | None = None
+        self, position: Any, normal: Any, power: Any, *, device: str = "auto", threads: int | None = None
     ) -> None:
         flat, toward = _vectors("position", position), _vectors("normal", normal)
         watts = np.asarray(power)
@@ -84,7 +86,7 @@ class PhotonMap:
                 "must have (n, 3), (n, 3), and (n,) or (n, 3)"
             )
         colors = _vectors("power", np.repeat(watts[:, None], 3, axis=1) if self._grey else watts)
-        self._raw = RawMap(flat, toward, colors, _device(device, threads))
+        self._raw = RawMap(flat, toward, colors, _device(device, threads, prefers=False))
 
     def __len__(self) -> int:
         return len(self._raw)
@@ -127,5 +129,5 @@ class PhotonMap:
         return colors[..., 0] if self._grey else colors
 
 
-def _device(device: str, threads: int | None) -> tuple[str | None, int]:
-    return gpu(device), 0 if threads is None else _whole("threads", threads, 4096)
+def _device(device: str, threads: int | None, prefers: bool = True) -> tuple[str | None, int]:
+    return gpu(device, prefers), 0 if threads is None else _whole("threads", threads, 4096)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import sys
-import warnings
 from dataclasses import dataclass
 from typing import Any, Callable
 
-from ._errors import InputError
+from ._errors import InputError, warn
 
 __all__ = ["Progress"]
 
@@ -26,15 +25,6 @@ class Progress:
     error: float | None
 
 
-def _level_outside() -> int:
-    """The `stacklevel` of the first frame that is not of this package, for a warning of the function that calls this one."""
-    package = __name__.partition(".")[0]
-    frame, level = sys._getframe(1), 1
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
-        frame, level = frame.f_back, level + 1
-    return level
-
-
 class Reporter:
     """Receives the events of a renderer, and shows the progress or calls a function with it."""
 
@@ -47,7 +37,7 @@ class Reporter:
     def __call__(self, kind: str, number: int, count: int, value: float, text: str) -> bool:
         """False stops the render."""
         if kind == "warning":
-            warnings.warn(text, RuntimeWarning, stacklevel=_level_outside())
+            warn(text, RuntimeWarning)
             return True
         if kind == "error":
             self._error = value

@@ -9,7 +9,7 @@ from typing import Any, Callable
 
 from ._blocks import check_executor, render_blocks
 from ._device import gpus
-from ._errors import InputError
+from ._errors import InputError, Interrupted
 from ._film import Film
 from ._job import Job
 from ._materials import number
@@ -40,7 +40,7 @@ def render(
     camera: str | None = None,
     preset: str | None = None,
     settings: Settings | None = None,
-    device: str = "cpu",
+    device: str = "auto",
     threads: int | None = None,
     progress: bool | Callable[[Progress], Any] | None = None,
     film: str | os.PathLike[str] | None = None,
@@ -50,20 +50,23 @@ def render(
     window: int | None = None,
     retries: int = 3,
     overrides: str | os.PathLike[str] | None = None,
+    environment: Any = None,
     **fields: Any,
 ) -> Film:
-    """Renders a scene: a `Scene`, the name of a built-in one, or a file, to which `overrides` are applied.
+    """Renders a scene: a `Scene`, the name of a built-in one, or a file, to which `overrides` are applied. `environment` is light
+    from all around, as the argument of `Scene.environment`: a file, "constant", "constant:R,G,B", "sky:30,3". Without any light,
+    there is an even environment and a `SceneWarning`.
 
     It ends after so many `passes` (default: those of the preset, "balanced" if none is given), after `time` in seconds, or
     when the estimated relative error of the `share` of pixels is at most `target_error`, whichever comes first. With `time`
     or `target_error`, and without `passes`, `preset` and `settings`, settings that are not given are decided by the facts of a
-    first pass, as in the program. `device`: "cpu", "gpu", a GPU by
-    index or a part of its name, "gpu:1", or several, "gpu:0,1" or "gpu:all", which render blocks of `grain` passes. Further
-    keyword arguments are fields of `Settings`, such as `photons=200_000`; they change those of `settings` or of the `preset`.
+    first pass, as in the program. `device`: "auto" is a GPU if there is one, and the CPU otherwise and with `film`, `grain` or `executor`;
+    "cpu"; "gpu", which is never a software driver unless PHOTON_VK_DEVICE names one; a device by index or a part of its name, "gpu:1";
+    or several, "gpu:0,1" or "gpu:all", which render blocks of `grain` passes. Further keyword arguments are fields of `Settings`, such as `photons=200_000`; they change those of `settings` or of the `preset`.
     `memory`: of the limit, half is for reading the file of a scene, whose textures are reduced if they do not fit.
 
     `progress`: True for a progress bar, or a function that is called with a `Progress`, and stops the render by returning
-    False. Ctrl-C stops it within a pass.
+    False. Ctrl-C stops it within a pass and raises `Interrupted`, a `KeyboardInterrupt` whose `film` has the passes until then.
 
     `film`: a .film file, which is continued if it exists, and written every `checkpoint` seconds and at the end. `executor`: a
     `concurrent.futures.Executor`, or a function that makes one if it breaks, whose workers render blocks of `grain` passes.
@@ -85,7 +88,8 @@ def render(
         # The preset is for derived radii.
         usual = None if "estimator" in fields else DEFAULT_PRESET
         chosen = Settings(preset=preset or usual, size=(width, height), **fields)
-    devices = gpus(device)
+    # The sums of blocks must not depend on the machine that renders them.
+    devices = gpus(device, prefers=film is None and grain is None and executor is None)
     several = len(devices) > 1 or devices == ("all",)
     workers = 0 if threads is None else _whole("threads", threads, 4096)
     if passes is not None:
@@ -111,7 +115,7 @@ def render(
         check_executor(executor)
         if threads is None and not devices:
             workers = _threads_of_worker(executor)
-    opened = _scene(scene, overrides, chosen.memory)
+    opened = _scene(scene, overrides, environment, chosen.memory)
     job = Job(opened, chosen.to_json(), (width, height), camera, devices, workers)
     reporter = Reporter(progress, passes)
     try:
@@ -138,27 +142,35 @@ def render(
 
             fixed = given if target_error is None else [*given, "bandwidth", "indirect"]
             renderer = job.renderer((left(), fixed) if is_open else None)
-            raw, _ = renderer.render(passes, left(), error, reporter)
+            rendered, interrupt = renderer.render(passes, left(), error, reporter)
+            if rendered is None or interrupt is not None:
+                raise Interrupted(None if rendered is None else Film(rendered)) from None
+            raw = rendered
+    except KeyboardInterrupt as why:
+        raise (why if isinstance(why, Interrupted) else Interrupted()) from None
     finally:
         reporter.close()
     return Film(raw)
 
 
-def _scene(scene: Any, overrides: str | os.PathLike[str] | None, memory: int | None) -> Scene:
+def _scene(scene: Any, overrides: str | os.PathLike[str] | None, environment: Any, memory: int | None) -> Scene:
     if isinstance(scene, Scene):
         if overrides is not None:
             raise InputError("overrides= is for files; give it to Scene.load")
+        if environment is not None:
+            raise InputError("environment= is for files and names; call the scene's method environment")
         return scene
     if not isinstance(scene, (str, os.PathLike)):
         raise InputError(f"scene is {scene!r}, but must be a Scene, a name or a path")
     name = os.fspath(scene)
     if os.path.splitext(name)[1]:
         # The other half is for the tables that are made of the scene, and for photons.
-        return Scene.load(name, overrides, memory=None if memory is None else max(1, memory // 2))
+        half = None if memory is None else max(1, memory // 2)
+        return Scene.load(name, overrides, environment=environment, memory=half)
     opened = Scene.builtin(name)
     if overrides is not None:
         opened._call("overrides", os.path.abspath(os.fspath(overrides)))
-    return opened
+    return opened if environment is None else opened.environment(environment)
 
 
 def _check_blocks(time: float | None, settings: Settings) -> None:

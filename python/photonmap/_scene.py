@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ._errors import InputError
+from ._errors import InputError, SceneWarning, warn
 from ._materials import Lambert, Material, number, triple, vector
-from ._photonmap import RawBuilder, RawScene
+from ._photonmap import RawBuilder, RawScene, environment_text
 
 __all__ = ["Scene"]
 
@@ -27,6 +27,7 @@ class Scene:
         self._calls: list[tuple[str, tuple[Any, ...]]] = []
         self._built: RawScene | None = None
         self._digest: str | None = None
+        self._is_told = False
 
     @classmethod
     def builtin(cls, name: str) -> Scene:
@@ -42,16 +43,20 @@ class Scene:
         path: str | os.PathLike[str],
         overrides: str | os.PathLike[str] | None = None,
         *,
+        environment: Any = None,
         memory: int | None = None,
     ) -> Scene:
         """A .gltf, .glb, .obj or .ply file, changed by an override file (TOML).
 
+        `environment`: light from all around, as for the method of that name; it replaces that of the override file.
         `memory`: limit in bytes on what reading holds at any time: files, meshes, textures and images. Textures that do not
         fit are reduced, which `report` says; if that is not enough, the error is `OutOfMemoryError`.
         """
         scene = cls()
         more = None if overrides is None else os.path.abspath(os.fspath(overrides))
         scene._source = ("file", os.path.abspath(os.fspath(path)), more, _limit(memory))
+        if environment is not None:
+            scene.environment(environment, memory=memory)
         scene.build()
         return scene
 
@@ -144,19 +149,19 @@ class Scene:
         """Sets the light from all around, and replaces that of before.
 
         `light`: a radiance in W/(m² sr), a number or RGB; an image as an array (h, w, 3), w = 2h, in latitude and longitude;
-        the path of one; or a clear sky with its sun, as "sky:ELEVATION,TURBIDITY" in degrees and from 1 to 10.
+        or the text of the program's option --environment: the path of an image, "constant", "constant:R,G,B", or a clear sky
+        with its sun, "sky:ELEVATION,TURBIDITY", in degrees and from 1 to 10.
         `rotate`: degrees, counter-clockwise as seen from above (+y). `memory`: limit in bytes on reading an image file.
         """
         turn, factor, limit = number("rotate", rotate), number("scale", scale), _limit(memory)
         if isinstance(light, (str, os.PathLike)):
             text = os.fspath(light)
-            if not text.startswith("sky:"):
+            kind, numbers = environment_text(text) if isinstance(light, str) else ("file", [])
+            if kind == "file":
                 return self._call("environment_file", os.path.abspath(text), turn, factor, limit)
-            try:
-                elevation, turbidity = (float(part) for part in text[4:].split(","))
-            except ValueError:
-                raise InputError(f"environment {text!r}: give two numbers, such as sky:30,3") from None
-            return self._call("environment_sky", elevation, turbidity, turn, factor)
+            if kind == "sky":
+                return self._call("environment_sky", *numbers, turn, factor)
+            light = numbers
         if np.ndim(light) == 3:
             image = np.ascontiguousarray(light, dtype=np.float32)
             if image.shape[2] != 3:
@@ -221,7 +226,8 @@ class Scene:
 
     @property
     def warnings(self) -> list[str]:
-        """Problems that do not prevent rendering."""
+        """Problems that do not prevent rendering. When it is built they are warned of as `SceneWarning`, and so is what `report` says
+        is approximated or left out."""
         return self._raw().warnings()
 
     @property
@@ -247,6 +253,7 @@ class Scene:
     def _call(self, method: str, *args: Any) -> Scene:
         self._calls.append((method, args))
         self._built = self._digest = None
+        self._is_told = False
         return self
 
     def _raw(self) -> RawScene:
@@ -271,6 +278,11 @@ class Scene:
                     "machines the same files"
                 )
             self._built = built
+            # Workers do not repeat it.
+            if not self._is_told:
+                self._is_told = True
+                for line in built.told():
+                    warn(f"{self.name}: {line}", SceneWarning)
         return self._built
 
     def _builder(self) -> RawBuilder:
@@ -283,7 +295,8 @@ class Scene:
         # Arrays are part of the pickle, files are not: their contents must be the same.
         reads_files = self._source is not None or any(call in ("overrides", "environment_file") for call, _ in self._calls)
         digest = self.digest if reads_files else None
-        return {"_source": self._source, "_calls": self._calls, "_built": None, "_digest": digest}
+        told = self._is_told
+        return {"_source": self._source, "_calls": self._calls, "_built": None, "_digest": digest, "_is_told": told}
 
     def __repr__(self) -> str:
         source = f"{self.name}, " if self._source else ""

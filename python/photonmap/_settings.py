@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import math
 from typing import Any
@@ -24,6 +25,10 @@ class Settings:
     _values: dict[str, Any]
 
     def __init__(self, *, preset: str | None = None, size: tuple[int, int] = (512, 512), **fields: Any) -> None:
+        known = json.loads(settings_json("{}"))
+        for name in fields:
+            if name not in known:
+                raise InputError(f"there is no setting {name!r}; {_hint(name, known)}")
         text = settings_json(_to_json(fields), preset, size[0] * size[1])
         object.__setattr__(self, "_values", json.loads(text))
 
@@ -64,6 +69,13 @@ class Settings:
         defaults = Settings()._values
         given = [f"{name}={value!r}" for name, value in self._values.items() if value != defaults[name]]
         return f"Settings({', '.join(given)})"
+
+
+def _hint(name: str, known: dict[str, Any]) -> str:
+    if name in ("radius", "k"):
+        return 'it is part of the estimator: estimator={"radius": {"radius": 0.1}} or {"knn": {"k": 50}}'
+    near = difflib.get_close_matches(name, known, 1)
+    return f"did you mean {near[0]!r}?" if near else f"there are {', '.join(known)}"
 
 
 def _restore(text: str) -> Settings:

@@ -6,6 +6,7 @@ use std::path::Path;
 use numpy::{IntoPyArray, PyArray1};
 use photonmap::film::{FilmInfo, load, load_from, save, save_to};
 use photonmap::{Blocks, ErrorTarget, Film, FilmTally, Layer, MapKind, Tally};
+use photonmap_cli::denoise::Denoiser;
 use photonmap_cli::exposure::{Exposure, measured};
 use photonmap_cli::png_file::{self, Picture};
 use photonmap_cli::tonemap::ToneMap;
@@ -199,8 +200,14 @@ impl RawFilm {
         Ok(py.detach(|| save(Path::new(path), &self.film, &self.info).map_err(Failure::from))?)
     }
 
-    /// Writes an EXR.
-    fn save_exr(&self, py: Python<'_>, path: &str) -> PyResult<()> {
+    /// The denoised picture, flat; `environment`: the folder of the running Python, where the denoiser may be installed.
+    fn denoised<'py>(&self, py: Python<'py>, environment: &str) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let (colors, _) = py.detach(|| self.shown(Some(environment)))?;
+        Ok(colors.into_flattened().into_pyarray(py))
+    }
+
+    /// Writes an EXR; denoised if there is an `environment`, see [`Self::denoised`].
+    fn save_exr(&self, py: Python<'_>, path: &str, environment: Option<&str>) -> PyResult<()> {
         let settings: Vec<String> = self.info.key.settings().map(|(name, value)| format!("{name}: {value}")).collect();
         let makers: Vec<&str> = self.info.makers.iter().map(|maker| maker.device.as_str()).collect();
         let attributes = [
@@ -210,13 +217,23 @@ impl RawFilm {
             ("photon:settings", settings.join(", ")),
             ("photon:device", makers.join(", ")),
         ];
-        let attributes = attributes.map(|(name, value)| (name.to_owned(), value));
-        let path = Path::new(path);
-        Ok(py.detach(|| exr_file::write(path, &self.film, self.is_transparent(), &attributes).map_err(Failure::from))?)
+        let mut attributes = attributes.map(|(name, value)| (name.to_owned(), value)).to_vec();
+        Ok(py.detach(|| {
+            let (colors, note) = self.shown(environment)?;
+            attributes.extend(note.map(|note| ("photon:denoised".to_owned(), note)));
+            let written = exr_file::write_as(Path::new(path), &self.film, colors, self.is_transparent(), &attributes);
+            written.map_err(Failure::from)
+        })?)
     }
 
-    /// The bytes of a PNG; exposure in stops, `None`: automatic.
-    fn png<'py>(&self, py: Python<'py>, exposure: Option<f32>, curve: &str) -> PyResult<Bound<'py, PyBytes>> {
+    /// The bytes of a PNG; exposure in stops, `None`: automatic; denoised as an EXR.
+    fn png<'py>(
+        &self,
+        py: Python<'py>,
+        exposure: Option<f32>,
+        curve: &str,
+        environment: Option<&str>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
         if exposure.is_some_and(|stops| !stops.is_finite()) {
             return Err(Failure::input("exposure must be finite, or None for an automatic one").into());
         }
@@ -226,7 +243,8 @@ impl RawFilm {
             return Err(Failure::input(format!("tonemap is {curve:?}, but must be one of {names}")).into());
         };
         let bytes = py.detach(|| {
-            let picture = Picture::new(&self.film, self.is_transparent());
+            let (colors, _) = self.shown(environment)?;
+            let picture = Picture::of(&self.film, colors, self.is_transparent());
             let exposure = exposure.map_or(Exposure::Auto, Exposure::Stops);
             let stops = exposure.stops(&measured(&picture.colours, &self.film.alpha()));
             let mut bytes = Vec::new();
@@ -240,6 +258,18 @@ impl RawFilm {
 impl RawFilm {
     fn is_transparent(&self) -> bool {
         self.info.key.settings().any(|setting| setting == ("transparent_background", "true"))
+    }
+
+    /// The colours of a picture, and how they were denoised, if there is an environment of Python.
+    fn shown(&self, environment: Option<&str>) -> Result<(Vec<[f32; 3]>, Option<String>), Failure> {
+        let Some(environment) = environment else { return Ok((self.film.beauty(), None)) };
+        if self.is_transparent() {
+            return Err(Failure::input("films with a transparent background cannot be denoised"));
+        }
+        let denoiser = Denoiser::load_from(Some(Path::new(environment)));
+        // Neither the film nor an argument is wrong.
+        let denoised = denoiser.and_then(|library| library.denoise(&self.film));
+        denoised.map(|denoised| (denoised.pixels, Some(denoised.note))).map_err(|why| Failure::device(why.to_string()))
     }
 }
 

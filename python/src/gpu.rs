@@ -1,23 +1,43 @@
 //! Searches on a GPU, by Vulkan.
 
+use std::sync::OnceLock;
+
 use photonmap::vulkan::{Options, Vulkan, VulkanMap};
 use photonmap::{Backend, IndexKind, Photon};
+use pyo3::prelude::*;
 
 use crate::error::Failure;
 use crate::points::{Points, SPARE};
 use crate::process;
 
-/// Opens a GPU by its index or a part of its name; without a name the preferred one, or that which the environment variable
-/// PHOTON_VK_DEVICE selects.
+/// Whether device="auto" is a GPU: no software driver, and usable in this process.
+///
+/// The answer is kept, also for forked processes, which must not call the driver. With the lock of the interpreter, with which
+/// Python forks, so that none finds the answer half made.
+#[pyfunction]
+pub(crate) fn prefers_gpu() -> bool {
+    static ANSWER: OnceLock<bool> = OnceLock::new();
+    *ANSWER.get_or_init(|| photonmap_cli::backend::prefers_gpu().is_ok()) && process::enter_gpu().is_ok()
+}
+
+/// Opens a GPU by its index or a part of its name, which may be a software driver; without a name the preferred one, or that
+/// which the environment variable PHOTON_VK_DEVICE selects.
 pub(crate) fn open(name: &str) -> Result<Vulkan, Failure> {
     process::enter_gpu()?;
+    if name.is_empty() {
+        return photonmap_cli::backend::requested_gpu().map_err(|why| {
+            Failure::device(format!(
+                "no GPU can be used: {why}; install a Vulkan driver, use device=\"cpu\", or select a device by index or name, \
+                 such as device=\"gpu:0\", which may be a software driver"
+            ))
+        });
+    }
     let mut options = Options::default();
     options.disk_cache = true;
-    options.device = (!name.is_empty()).then(|| name.to_owned());
+    options.device = Some(name.to_owned());
     Vulkan::with_options(&options).map_err(|error| {
-        let what = if name.is_empty() { "no GPU can be used".to_owned() } else { format!("device=\"gpu:{name}\"") };
         let cause = photonmap_cli::fault::chain(&error);
-        Failure::device(format!("{what}: {cause}; install a Vulkan driver, or use device=\"cpu\""))
+        Failure::device(format!("device=\"gpu:{name}\": {cause}; install a Vulkan driver, or use device=\"cpu\""))
     })
 }
 

@@ -27,11 +27,13 @@ mod _photonmap {
     #[pymodule_export]
     use crate::film::{RawFilm, check_blocks, check_writable, write_bytes};
     #[pymodule_export]
+    use crate::gpu::prefers_gpu;
+    #[pymodule_export]
     use crate::map::RawMap;
     #[pymodule_export]
     use crate::render::Renderer;
     #[pymodule_export]
-    use crate::scene::{RawBuilder, RawScene, builtin_scenes};
+    use crate::scene::{RawBuilder, RawScene, builtin_scenes, environment_text};
     #[pymodule_export]
     use crate::settings::{preset_passes, settings_json};
     #[pymodule_export]

@@ -10,6 +10,7 @@ use photonmap::{
     Bandwidth, Blocks, Budget, Film, Fixed, Pipeline, Plan, Render, Settings, TransportBackend, Units, View, render,
     render_blocks,
 };
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::error::Failure;
@@ -59,8 +60,8 @@ impl Renderer {
         Ok(Self { inner: Mutex::new(Local::new(inner)), scene, name: name.to_owned(), view, settings })
     }
 
-    /// Renders until the budget is spent, or the observer stops it. Returns the film, and whether it was stopped.
-    /// `error`: target and share of pixels.
+    /// Renders until the budget is spent, or the observer stops it. Returns the film, and the KeyboardInterrupt that stopped it,
+    /// if one did; then there may be no film. `error`: target and share of pixels.
     fn render(
         &self,
         py: Python<'_>,
@@ -68,7 +69,7 @@ impl Renderer {
         seconds: Option<f64>,
         error: Option<(f64, f64)>,
         observer: Option<Py<PyAny>>,
-    ) -> PyResult<(RawFilm, bool)> {
+    ) -> PyResult<(Option<RawFilm>, Option<Py<PyAny>>)> {
         let time = seconds.map(|seconds| {
             let time = Duration::try_from_secs_f64(seconds);
             time.map_err(|_| Failure::input(format!("time is {seconds}, but must be at least 0 and finite")))
@@ -89,6 +90,10 @@ impl Renderer {
             let inner = &mut inner.get("this renderer")?[0];
             let outcome = render(&mut **inner, plan, &mut observe(observer.as_ref(), &mut latch));
             let outcome = match outcome {
+                Err(photonmap::Error::Cancelled) => {
+                    let _ = inner.take();
+                    return Ok(None);
+                }
                 Err(error) => {
                     // Passes before the error must not be in the next film.
                     let _ = inner.take();
@@ -103,12 +108,19 @@ impl Renderer {
             let adapted = outcome.predicted.is_some_and(|forecast| forecast.radius_factor != 1.0);
             // Nothing is left for another render; with radii of its own for each pixel, it cannot be used again.
             let _ = inner.take();
-            Ok((film, info, adapted, outcome.cancelled))
+            Ok(Some((film, info, adapted)))
         });
-        if let Some(error) = latch.error {
-            return Err(error);
-        }
-        let (film, info, adapted, cancelled) = rendered?;
+        let interrupt = match latch.error {
+            Some(error) if error.is_instance_of::<PyKeyboardInterrupt>(py) => Some(error.into_value(py).into_any()),
+            Some(error) => return Err(error),
+            None => None,
+        };
+        let (film, info, adapted) = match rendered {
+            Ok(Some(rendered)) => rendered,
+            _ if interrupt.is_some() => return Ok((None, interrupt)),
+            Ok(None) => return Err(Failure::from(photonmap::Error::Cancelled).into()),
+            Err(failure) => return Err(failure.into()),
+        };
         let mut raw = RawFilm { film, info, refused: None };
         if self.settings.bandwidth == Bandwidth::PerPixel {
             raw.refused = Some(
@@ -123,7 +135,7 @@ impl Renderer {
                     .to_owned(),
             );
         }
-        Ok((raw, cancelled))
+        Ok((Some(raw), interrupt))
     }
 
     /// Renders one block of passes; stopped by the observer, there is none.

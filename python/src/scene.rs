@@ -6,9 +6,11 @@ use std::sync::Arc;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
     CameraDesc, EnvironmentDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection,
-    Scene, SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names,
-    load_builder_with,
+    ReportKind, Scene, SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin,
+    builtin_names, load_builder_with,
 };
+use photonmap_cli::args::EnvironmentName;
+use photonmap_cli::summary::summed_up;
 use pyo3::prelude::*;
 
 use crate::error::Failure;
@@ -28,6 +30,17 @@ pub(crate) struct RawBuilder {
 #[pyfunction]
 pub(crate) fn builtin_scenes() -> Vec<(&'static str, &'static str)> {
     builtin_names().to_vec()
+}
+
+/// The meaning of the text of an environment: "file", "constant" with a radiance, or "sky" with elevation and turbidity.
+#[pyfunction]
+pub(crate) fn environment_text(text: &str) -> PyResult<(&'static str, Vec<f64>)> {
+    let name = text.parse::<EnvironmentName>();
+    Ok(match name.map_err(|why| Failure::input(format!("environment {text:?}: {why}")))? {
+        EnvironmentName::File(_) => ("file", Vec::new()),
+        EnvironmentName::Constant(radiance) => ("constant", radiance.to_vec()),
+        EnvironmentName::Sky(elevation, turbidity) => ("sky", vec![elevation, turbidity]),
+    })
 }
 
 /// A surface: its kind and numbers by position.
@@ -264,16 +277,24 @@ impl RawBuilder {
         self.builder.camera(name, camera);
     }
 
-    /// Checks everything. A scene without a camera gets one that shows all of it.
+    /// Checks everything. A scene without a camera gets one that shows all of it, and one without a light an even environment.
     fn build(&self, py: Python<'_>) -> PyResult<RawScene> {
         let mut builder = self.builder.clone();
         if !builder.has_camera() {
             let camera = builder.frame_camera();
             builder.camera("automatic", camera);
         }
+        let is_dark = builder.light_if_dark().map_err(Failure::from)?;
         let scene = py.detach(|| builder.build().map_err(Failure::from))?;
-        let report = self.report.lines.iter().map(ToString::to_string).collect();
-        Ok(RawScene { scene: Arc::new(scene), report })
+        let mut warnings = scene.warnings().to_vec();
+        if is_dark {
+            warnings.push(
+                "the scene has no light; an even environment of radiance 1 is used: choose another by environment=, a file or \
+                 \"sky:30,3\", or add lights"
+                    .to_owned(),
+            );
+        }
+        Ok(RawScene { scene: Arc::new(scene), warnings, report: self.report.clone() })
     }
 }
 
@@ -293,7 +314,8 @@ impl RawBuilder {
 #[pyclass(frozen, module = "photonmap._photonmap")]
 pub(crate) struct RawScene {
     pub(crate) scene: Arc<Scene>,
-    report: Vec<String>,
+    warnings: Vec<String>,
+    report: LoadReport,
 }
 
 #[pymethods]
@@ -304,12 +326,18 @@ impl RawScene {
     }
 
     fn warnings(&self) -> Vec<String> {
-        self.scene.warnings().to_vec()
+        self.warnings.clone()
     }
 
-    /// What the loader could not represent.
+    /// What the loader could not represent, and notes.
     fn report(&self) -> Vec<String> {
-        self.report.clone()
+        self.report.lines.iter().map(ToString::to_string).collect()
+    }
+
+    /// What the user is warned of: all but the notes of the loader, and of many warnings of a kind the first.
+    fn told(&self) -> Vec<String> {
+        let lost = self.report.lines.iter().filter(|line| line.kind != ReportKind::Note).map(ToString::to_string);
+        summed_up(&lost.chain(self.warnings.iter().cloned()).collect::<Vec<_>>())
     }
 
     fn cameras(&self) -> Vec<String> {

@@ -118,7 +118,7 @@ def test_traced_photons_give_irradiance(photons):
         (lambda m: pm.trace("cornell", 0), ["photons is 0"]),
         (lambda m: pm.trace("cornell", 10, colour=3), ["colour"]),
         (lambda m: pm.trace("cornell", 10, device="x"), ["device"]),
-        (lambda m: pm.trace(pm.Scene().quad("q", [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), 10), ["light"]),
+        (lambda m: pm.trace(pm.Scene().quad("q", [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]).environment(0), 10), ["light"]),
         (lambda m: pm.PhotonMap(np.zeros((2, 3)), np.zeros((2, 3)), [1, 1]), ["normal[0]", "direction"]),
         (lambda m: pm.PhotonMap(np.zeros((2, 3)), np.ones((3, 3)), [1, 1]), ["(2, 3)", "(3, 3)"]),
         (lambda m: pm.PhotonMap(np.zeros((2, 3)), np.ones((2, 3)), [1]), ["(1,)"]),

@@ -8,6 +8,7 @@ import threading
 import time
 import warnings
 import zlib
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -52,6 +53,8 @@ def test_a_film_is_saved_and_pickled(film, tmp_path):
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and film._repr_png_().startswith(b"\x89PNG")
     film.save(tmp_path / "b.png", exposure=2.0, tonemap="agx")
     assert (tmp_path / "b.png").read_bytes() != (tmp_path / "a.png").read_bytes()
+    film.save(tmp_path / "c.png", exposure=None)
+    assert (tmp_path / "c.png").read_bytes() == (tmp_path / "a.png").read_bytes() == film._repr_png_()
     for other in [pm.Film.load(tmp_path / "a.film"), pickle.loads(pickle.dumps(film))]:
         np.testing.assert_array_equal(other.beauty, film.beauty)
         np.testing.assert_array_equal(other.error, film.error)
@@ -242,7 +245,11 @@ def test_limits_that_are_no_number_of_bytes(tmp_path, wrong):
         (lambda: pm.render("cornel"), ["cornel", "cornell-glass"]),
         (lambda: pm.render("x.abc"), ["x.abc", ".gltf"]),
         (lambda: pm.render(5), ["scene is 5"]),
-        (lambda: pm.render(pm.Scene().quad("floor", FLOOR), **QUICK), ["no light"]),
+        (lambda: pm.render(pm.Scene().quad("floor", FLOOR).environment(0), **QUICK), ["no light"]),
+        (lambda: pm.render(pm.Scene().quad("floor", FLOOR), environment=1), ["environment=", "method"]),
+        (lambda: pm.render("cornell", environment="sky:high"), ["sky:high", "sky:30,3"]),
+        (lambda: pm.render("cornell", environment="constant:1,2"), ["constant:1,2", "three numbers"]),
+        (lambda: pm.render("cornell", radius=0.1), ["'radius'", "estimator="]),
         (lambda: pm.render("cornell", size=(0, 5)), ["size is 0"]),
         (lambda: pm.render("cornell", size="big"), ["size is 'big'"]),
         (lambda: pm.render("cornell", size=5.5), ["size is 5.5"]),
@@ -361,6 +368,35 @@ def test_a_progress_bar(capsys, monkeypatch):
     assert "2 of 2 passes" in capsys.readouterr().err
 
 
+def test_ctrl_c_keeps_the_passes():
+    """Raised by the progress function as the interpreter raises it, after two passes; in blocks of two within the second."""
+    scene = room()
+
+    def interrupt(progress):
+        if progress.passes >= 2 + bool(progress.fraction):
+            raise KeyboardInterrupt
+
+    job = {"size": (16, 12), "photons": 3000}
+    expected = pm.render(scene, passes=2, grain=2, **job).beauty
+    with ThreadPoolExecutor(2) as pool:
+        for extra in ({}, {"grain": 2}, {"executor": pool, "grain": 2}):
+            with pytest.raises(KeyboardInterrupt, match="film has 2 passes") as caught:
+                pm.render(scene, passes=20, device="cpu", progress=interrupt, **extra, **job)
+            assert isinstance(caught.value, pm.Interrupted) and caught.value.film.passes == 2
+            assert pickle.loads(pickle.dumps(caught.value)).film.passes == 2
+            if extra:
+                np.testing.assert_array_equal(caught.value.film.beauty, expected)
+            # What comes next is not affected.
+            np.testing.assert_array_equal(pm.render(scene, passes=2, grain=2, **job).beauty, expected)
+
+    def at_once(progress):
+        raise KeyboardInterrupt
+
+    with pytest.raises(pm.Interrupted) as caught:
+        pm.render(scene, passes=20, grain=2, progress=at_once, **job)
+    assert caught.value.film is None
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 @pytest.mark.parametrize("extra", [{}, {"grain": 5}])
 def test_ctrl_c_stops_within_a_pass(extra):
@@ -370,9 +406,12 @@ def test_ctrl_c_stops_within_a_pass(extra):
     # A shell that starts the tests in the background lets them ignore it.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        with pytest.raises(KeyboardInterrupt):
+        with pytest.raises(pm.Interrupted) as caught:
             timer.start()
-            pm.render("cornell", size=8, passes=5, photons=50_000_000, **extra)
+            pm.render("cornell", size=8, passes=5, photons=50_000_000, device="cpu", **extra)
+        # Of a block that was not finished nothing is kept; without blocks, the paths of the first pass until then are.
+        film = caught.value.film
+        assert film is None if extra else film.passes == 1 and 0 < film.counts["paths"]["emitted"] < 50_000_000
     finally:
         signal.signal(signal.SIGINT, before)
     assert time.monotonic() - begun < 20
@@ -407,7 +446,7 @@ def test_the_gpu_renders_the_same_picture():
         if os.environ.get("PHOTON_REQUIRE_VULKAN", "0") != "0":
             raise
         pytest.skip("no Vulkan")
-    expected = pm.render("cornell", **QUICK)
+    expected = pm.render("cornell", device="cpu", **QUICK)
     np.testing.assert_allclose(film.beauty.mean(), expected.beauty.mean(), rtol=1e-3)
 
 

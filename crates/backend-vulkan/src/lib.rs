@@ -34,7 +34,7 @@ mod vulkan;
 
 pub use ash;
 pub use device::buffer::VulkanBuffer;
-pub use device::{Candidate, Fault, Limits, Options, RawDevice, devices};
+pub use device::{Candidate, Fault, Limits, Options, RawDevice, devices, preferred};
 pub use film::VulkanFilm;
 pub use map::VulkanMap;
 pub use scene::VulkanScene;

@@ -182,7 +182,7 @@ enum PmStatus
    */
   PM_STATUS_OUT_OF_MEMORY = 5,
   /**
-   * There is no suitable GPU, or no driver.
+   * There is no suitable GPU, no driver, or no denoiser.
    */
   PM_STATUS_NO_DEVICE = 6,
   /**
@@ -597,7 +597,9 @@ typedef struct PmDevice {
    */
   size_t size;
   /**
-   * "cpu" or "vulkan"; NULL: "cpu". The environment variable PHOTON_VK_DEVICE selects one of several GPUs.
+   * "cpu"; "gpu"; "auto": a GPU if there is one, and no caster, else the CPU; a device of pm_devices() by index or a part of
+   * its name, "gpu:1"; or "vulkan": the device that Vulkan prefers, even a software driver, which "auto" and "gpu" never take.
+   * NULL: "cpu". For "gpu" and "vulkan", the environment variable PHOTON_VK_DEVICE selects a device.
    */
   const char *backend;
   /**
@@ -841,6 +843,14 @@ PmStatus pm_builder_build(const struct PmBuilder *builder, struct PmScene **scen
 void pm_builder_free(struct PmBuilder *builder);
 
 /**
+ * Copies the list of the Vulkan devices, one to a line: as pm_last_error(). A line has the index, name and kind of a device,
+ * its Vulkan version, and whether it is suitable or what it lacks. After "gpu:", the index or a part of the name is a
+ * PmDevice.backend. Returns 0 if there is no driver.
+ */
+size_t pm_devices(char *text,
+                  size_t room);
+
+/**
  * Makes a renderer: opens the device, uploads the scene, and traces a pilot pass if radii are derived.
  *
  * `settings`: a JSON object of settings, such as `{"photons": 100000, "errors": true}`; fields that are left out have
@@ -924,6 +934,18 @@ PmStatus pm_film_merge(struct PmFilm *film,
  * `count` is the length of `values`, and has to be width times height times pm_layer_channels().
  */
 PmStatus pm_film_layer(const struct PmFilm *film, uint32_t layer, float *values, size_t count);
+
+/**
+ * Copies the picture, denoised by Open Image Denoise 2 with PM_LAYER_ALBEDO and PM_LAYER_NORMAL, as the program does by --denoise:
+ * rows from the top, 3 numbers a pixel. Where there is an error map, the mean of RGB stays within it.
+ *
+ * `count` is the length of `values`, and has to be 3 times width times height. The library is looked for in the packages of
+ * Python, where `pip install pyoidn` puts it, and by the system; or the environment variable PHOTON_OIDN has its path. Without
+ * it, the status is PM_STATUS_NO_DEVICE. Films with a transparent background cannot be denoised.
+ */
+PmStatus pm_film_denoise(const struct PmFilm *film,
+                         float *values,
+                         size_t count);
 
 /**
  * Writes a picture or a film file; the ending decides. The file is replaced when it is complete. The path is UTF-8.

@@ -32,7 +32,7 @@ pub enum PmStatus {
     File = 4,
     /// Not enough memory, or more than the settings allow.
     OutOfMemory = 5,
-    /// There is no suitable GPU, or no driver.
+    /// There is no suitable GPU, no driver, or no denoiser.
     NoDevice = 6,
     /// The progress function stopped the render. The film contains the passes that were finished.
     Cancelled = 7,
@@ -63,6 +63,16 @@ impl Fault {
     /// The same with another status.
     pub(crate) fn with_status(self, status: PmStatus) -> Self {
         Self { status, ..self }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn status(&self) -> PmStatus {
+        self.status
+    }
+
+    #[cfg(test)]
+    pub(crate) fn text(&self) -> &str {
+        &self.text
     }
 
     pub(crate) fn argument(text: impl ToString) -> Self {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use photonmap::film::{self as files, FilmFileError, FilmInfo};
 use photonmap::{ConfidenceInterval, Film, Layer};
+use photonmap_cli::denoise::Denoiser;
 use photonmap_cli::png_file::Picture;
 use photonmap_cli::tonemap::ToneMap;
 use photonmap_cli::{exr_file, png_file};
@@ -181,6 +182,33 @@ fn numbers(film: &Film, layer: u32) -> Result<Vec<f32>> {
         PM_LAYER_BIAS => of(|interval| interval.bias),
         _ => of(|interval| interval.half_width),
     }
+}
+
+/// Copies the picture, denoised by Open Image Denoise 2 with PM_LAYER_ALBEDO and PM_LAYER_NORMAL, as the program does by --denoise:
+/// rows from the top, 3 numbers a pixel. Where there is an error map, the mean of RGB stays within it.
+///
+/// `count` is the length of `values`, and has to be 3 times width times height. The library is looked for in the packages of
+/// Python, where `pip install pyoidn` puts it, and by the system; or the environment variable PHOTON_OIDN has its path. Without
+/// it, the status is PM_STATUS_NO_DEVICE. Films with a transparent background cannot be denoised.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_film_denoise(film: *const PmFilm, values: *mut f32, count: usize) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle.
+        let PmFilm { film, transparent, .. } = unsafe { pointer::shared(film, "film") }?;
+        let expected = film.pixels.len() * 3;
+        if count != expected {
+            return Err(Fault::argument(format!("count is {count}, but the picture has {expected} numbers")));
+        }
+        // SAFETY: the caller's array of `count` elements.
+        let values = unsafe { pointer::array_mut(values, count, "values") }?;
+        if *transparent {
+            return Err(Fault::argument("films with a transparent background cannot be denoised"));
+        }
+        let denoiser = Denoiser::load().map_err(|why| Fault::new(PmStatus::NoDevice, why))?;
+        let denoised = denoiser.denoise(film).map_err(|why| Fault::new(PmStatus::Device, why))?;
+        values.copy_from_slice(denoised.pixels.as_flattened());
+        Ok(())
+    })
 }
 
 /// Writes a picture or a film file; the ending decides. The file is replaced when it is complete. The path is UTF-8.

@@ -11,6 +11,7 @@
 mod builder;
 mod caster;
 mod describe;
+mod device;
 mod error;
 mod film;
 mod map;
@@ -23,6 +24,7 @@ mod scene;
 pub use builder::*;
 pub use caster::{PM_NO_HIT, PmCaster, PmHit, PmRay};
 pub use describe::*;
+pub use device::pm_devices;
 pub use error::{PM_ABI, PmStatus, pm_abi, pm_last_error, pm_version};
 pub use film::*;
 pub use map::*;

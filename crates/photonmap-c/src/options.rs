@@ -43,7 +43,9 @@ pub struct PmLoadOptions {
 pub struct PmDevice {
     /// sizeof(PmDevice).
     pub size: usize,
-    /// "cpu" or "vulkan"; NULL: "cpu". The environment variable PHOTON_VK_DEVICE selects one of several GPUs.
+    /// "cpu"; "gpu"; "auto": a GPU if there is one, and no caster, else the CPU; a device of pm_devices() by index or a part of
+    /// its name, "gpu:1"; or "vulkan": the device that Vulkan prefers, even a software driver, which "auto" and "gpu" never take.
+    /// NULL: "cpu". For "gpu" and "vulkan", the environment variable PHOTON_VK_DEVICE selects a device.
     pub backend: *const c_char,
     /// The caller's ray caster; NULL: that of the library. Only on the CPU.
     pub caster: *const PmCaster,

@@ -4,13 +4,11 @@ use std::ffi::{c_char, c_void};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use photonmap::cpu::Cpu;
 use photonmap::film::{FilmInfo, FilmKey, Maker};
 use photonmap::scene::Scene;
-use photonmap::vulkan::Vulkan;
 use photonmap::{Decision, Event, Film, Fixed, PassEnd, Pipeline, Render, Settings, TransportBackend, View};
 
-use crate::caster::Caster;
+use crate::device::{Device, open};
 use crate::error::{Fault, PmStatus, Result, call, free, length};
 use crate::film::PmFilm;
 use crate::options::{self, PmDevice, PmProgress, PmProgressFunction, PmView};
@@ -109,43 +107,6 @@ impl PmRenderer {
         info.errors = film.errors.is_some();
         info.clamp = film.clamp;
         Ok(PmFilm { film, info, transparent: self.settings.transparent_background })
-    }
-}
-
-enum Device {
-    Cpu(Cpu),
-    Vulkan(Box<Vulkan>),
-}
-
-/// Opens a device.
-///
-/// # Safety
-/// `device` is NULL or points to a valid struct, whose caster can be called as long as the result exists.
-unsafe fn open(device: *const PmDevice) -> Result<Device> {
-    if device.is_null() {
-        return Ok(Device::Cpu(Cpu::new()?));
-    }
-    // SAFETY: as the caller ensures.
-    let (device, backend) = unsafe {
-        let device = pointer::read(device)?;
-        (device, pointer::text_or_null(device.backend, "backend")?)
-    };
-    match backend.unwrap_or("cpu") {
-        "cpu" => {
-            let cpu = if device.threads == 0 { Cpu::new()? } else { Cpu::with_threads(device.threads as usize)? };
-            if device.caster.is_null() {
-                return Ok(Device::Cpu(cpu));
-            }
-            // SAFETY: as the caller ensures.
-            let caster = unsafe { Caster::new(device.caster) }?;
-            Ok(Device::Cpu(cpu.with_caster(move |scene| Ok(Box::new(caster.prepared(scene)?)))))
-        }
-        "vulkan" if device.caster.is_null() => {
-            let gpu = Vulkan::new().map_err(|error| Fault::from(error).with_status(PmStatus::NoDevice))?;
-            Ok(Device::Vulkan(Box::new(gpu)))
-        }
-        "vulkan" => Err(Fault::argument("a ray caster of the caller works with the backend \"cpu\" alone")),
-        other => Err(Fault::argument(format!("backend is {other:?}, but there are \"cpu\" and \"vulkan\""))),
     }
 }
 

@@ -6,13 +6,14 @@ use std::path::Path;
 use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, Language, RenameRule, Style};
 
 /// The sources, in the order of the header.
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 11] = [
     "error.rs",
     "describe.rs",
     "scene.rs",
     "builder.rs",
     "caster.rs",
     "options.rs",
+    "device.rs",
     "renderer.rs",
     "film.rs",
     "photons.rs",

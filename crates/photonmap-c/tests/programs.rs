@@ -112,5 +112,9 @@ fn programs_in_c_and_cpp_compile_without_warnings_and_give_the_pictures_of_rust(
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains("2048 in the longest") && text.contains("stopped after"), "{text}");
 
-    succeed(Command::new(place.compile("cc", "-std=c99", "tests/c/faults.c")).current_dir(place.folder.path()));
+    let (denoiser, source) = (place.path("libOpenImageDenoise.so"), "../photonmap-cli/tests/program/denoise/oidn.c");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join(source);
+    succeed(Command::new("cc").args(["-shared", "-fPIC", "-o"]).args([&denoiser, &source]));
+    let faults = place.compile("cc", "-std=c99", "tests/c/faults.c");
+    succeed(Command::new(faults).arg(&denoiser).current_dir(place.folder.path()));
 }

@@ -165,16 +165,35 @@ pub fn vulkan() -> Result<Vulkan, Fault> {
 
 /// A device that is not a software driver, or why there is none.
 fn gpu() -> Result<Vulkan, String> {
+    prefers_gpu()?;
+    Vulkan::new().map_err(|error| why_not(&error))
+}
+
+/// Whether the device that the library prefers, or that the user selected, is a GPU and no software driver; none is opened.
+///
+/// # Errors
+/// The devices in words, and what each lacks.
+pub fn prefers_gpu() -> Result<(), String> {
     let found = backend_vulkan::devices().map_err(|error| why_not(&error))?;
     worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>())?;
-    let on = Vulkan::new().map_err(|error| why_not(&error))?;
+    let preferred = backend_vulkan::preferred().map_err(|error| why_not(&error))?;
     // The user may have selected a software device.
-    match found.iter().find(|candidate| candidate.name == on.limits().name) {
-        Some(candidate) if candidate.kind == SOFTWARE => {
-            Err(format!("{} selects {}, which is a software driver", DEVICE, candidate.name))
-        }
-        _ => Ok(on),
+    if preferred.kind == SOFTWARE {
+        return Err(format!("{DEVICE} selects {}, which is a software driver", preferred.name));
     }
+    Ok(())
+}
+
+/// Opens the device that the user selected by PHOTON_VK_DEVICE, of whatever kind, else a GPU: without a selection never a
+/// software driver, which is slower than the cores of the CPU.
+///
+/// # Errors
+/// The devices in words, and what each lacks.
+pub fn requested_gpu() -> Result<Vulkan, String> {
+    if std::env::var_os(DEVICE).is_none_or(|value| value.is_empty()) {
+        prefers_gpu()?;
+    }
+    Vulkan::new().map_err(|error| chain(&error))
 }
 
 const SOFTWARE: &str = "software";

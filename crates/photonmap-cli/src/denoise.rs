@@ -6,6 +6,8 @@
 mod installed;
 mod library;
 
+use std::path::Path;
+
 use photon_core::Film;
 
 use crate::fault::Fault;
@@ -29,7 +31,15 @@ impl Denoiser {
     /// # Errors
     /// [`Fault::Input`] where it is not found, with what to do.
     pub fn load() -> Result<Self, Fault> {
-        library::Oidn::load().map(Self).map_err(|why| {
+        Self::load_from(None)
+    }
+
+    /// As [`Self::load`], with the folder of an environment of Python whose packages are searched first.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_from(environment: Option<&Path>) -> Result<Self, Fault> {
+        library::Oidn::load(environment).map(Self).map_err(|why| {
             Fault::input(format!(
                 "denoising needs Open Image Denoise 2, which was not found: `pip install pyoidn`, or set {} to the path of \
                  libOpenImageDenoise.so ({why})",

@@ -17,7 +17,8 @@ pub fn say<T: Display>(prefix: &str, messages: &[T]) {
 }
 
 /// The messages; of a kind of which there are many, the first few and a line with the number of the others.
-fn summed_up<T: Display>(messages: &[T]) -> Vec<String> {
+#[must_use]
+pub fn summed_up<T: Display>(messages: &[T]) -> Vec<String> {
     let messages: Vec<(String, String)> =
         messages.iter().map(|message| message.to_string()).map(|text| (kind(&text), text)).collect();
     let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();

@@ -31,6 +31,14 @@ pub fn devices() -> photon_core::Result<Vec<Candidate>> {
     candidates(&super::instance::Instance::shared(false)?.raw)
 }
 
+/// The device that [`crate::Vulkan::new`] would open, without opening it.
+///
+/// # Errors
+/// As [`crate::Vulkan::new`].
+pub fn preferred() -> photon_core::Result<Candidate> {
+    choose(devices()?, super::logical::from_environment().as_deref())
+}
+
 pub(crate) fn candidates(instance: &ash::Instance) -> photon_core::Result<Vec<Candidate>> {
     // SAFETY: the instance is alive.
     let handles = unsafe { instance.enumerate_physical_devices() };

@@ -125,13 +125,17 @@ impl RawDevice {
     }
 }
 
+/// The device that the environment variable `PHOTON_VK_DEVICE` selects.
+pub(super) fn from_environment() -> Option<String> {
+    std::env::var("PHOTON_VK_DEVICE").ok().filter(|value| !value.is_empty())
+}
+
 impl Device {
     /// Opens a device.
     pub(crate) fn open(options: &Options) -> Result<Arc<Self>> {
         let instance = Instance::shared(options.validation)?;
         let listener = options.validation.then(|| Listener::new(&instance));
-        let from_environment = std::env::var("PHOTON_VK_DEVICE").ok().filter(|value| !value.is_empty());
-        let wanted = options.device.clone().or(from_environment);
+        let wanted = options.device.clone().or_else(from_environment);
         let chosen = choose(candidates(&instance.raw)?, wanted.as_deref())?;
         let priorities = [1.0];
         let queues =

@@ -22,7 +22,7 @@ mod specialize;
 mod tests;
 
 pub(crate) use cache::DiskCache;
-pub use choose::{Candidate, devices};
+pub use choose::{Candidate, devices, preferred};
 pub use fault::Fault;
 pub(crate) use logical::Device;
 pub use logical::{Limits, Options, RawDevice};

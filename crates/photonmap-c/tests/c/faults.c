@@ -1,4 +1,5 @@
-/* Bad input to every function: a status with words, and never a crash. */
+/* Bad input to every function: a status with words, and never a crash. The argument is the denoiser of the tests. */
+#define _POSIX_C_SOURCE 200112L
 #include <float.h>
 #include <math.h>
 #include <photonmap.h>
@@ -150,7 +151,26 @@ static void scenes(void)
     BAD(pm_builder_build(NULL, &scene), "builder is NULL");
 }
 
-static void renderers(const PmScene *scene)
+/* The denoiser of the tests makes twice the colour plus the albedo plus the normal. */
+static void denoising(const PmFilm *film, const char *library)
+{
+    float colour[8 * 6 * 3], albedo[8 * 6 * 3], normal[8 * 6 * 3], found[8 * 6 * 3];
+
+    BAD(pm_film_denoise(NULL, found, 8 * 6 * 3), "film is NULL");
+    BAD(pm_film_denoise(film, NULL, 8 * 6 * 3), "values is NULL");
+    BAD(pm_film_denoise(film, found, 8 * 6), "144 numbers");
+    setenv("PHOTON_OIDN", "/no/such/library.so", 1);
+    EXPECT(pm_film_denoise(film, found, 8 * 6 * 3), PM_STATUS_NO_DEVICE, "pip install pyoidn");
+    setenv("PHOTON_OIDN", library, 1);
+    OK(pm_film_layer(film, PM_LAYER_PICTURE, colour, 8 * 6 * 3));
+    OK(pm_film_layer(film, PM_LAYER_ALBEDO, albedo, 8 * 6 * 3));
+    OK(pm_film_layer(film, PM_LAYER_NORMAL, normal, 8 * 6 * 3));
+    OK(pm_film_denoise(film, found, 8 * 6 * 3));
+    for (int i = 0; i < 8 * 6 * 3; i++)
+        TRUE(found[i] == 2.0f * colour[i] + albedo[i] + normal[i]);
+}
+
+static void renderers(const PmScene *scene, const char *library)
 {
     PmRenderer *renderer = NULL;
     PmFilm *film = NULL, *other = NULL;
@@ -209,6 +229,7 @@ static void renderers(const PmScene *scene)
     BAD(pm_film_layer(film, PM_LAYER_PICTURE, NULL, 8 * 6 * 3), "values is NULL");
     BAD(pm_film_layer(NULL, PM_LAYER_PICTURE, values, 8 * 6 * 3), "film is NULL");
     OK(pm_film_layer(film, PM_LAYER_PICTURE, values, 8 * 6 * 3));
+    denoising(film, library);
     EXPECT(pm_film_merge(film, film), PM_STATUS_FILM, "itself");
     BAD(pm_film_merge(film, NULL), "other is NULL");
     BAD(pm_film_merge(NULL, NULL), "film is NULL");
@@ -322,7 +343,7 @@ static void maps(const PmScene *scene)
     pm_photons_free(photons);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     PmScene *scene = NULL;
     char small[4];
@@ -332,7 +353,8 @@ int main(void)
     OK(pm_scene_builtin("cornell", &scene));
     TRUE(pm_scene_mesh_name(scene, 999, small, sizeof small) == 0);
     TRUE(pm_scene_mesh_name(scene, 0, small, sizeof small) > 0 && strlen(small) == 3);
-    renderers(scene);
+    TRUE(argc == 2);
+    renderers(scene, argc == 2 ? argv[1] : "");
     casters(scene);
     maps(scene);
     pm_scene_free(scene);

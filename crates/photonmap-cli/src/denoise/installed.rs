@@ -3,14 +3,15 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// The library in the packages of Python, of the active environment first; those that exist.
-pub(super) fn by_pip() -> Vec<PathBuf> {
-    found(&|name| std::env::var_os(name))
+/// The library in the packages of Python, of the given environment and the active one first; those that exist.
+pub(super) fn by_pip(environment: Option<&Path>) -> Vec<PathBuf> {
+    found(environment, &|name| std::env::var_os(name))
 }
 
-fn found(variable: &dyn Fn(&str) -> Option<OsString>) -> Vec<PathBuf> {
+fn found(environment: Option<&Path>, variable: &dyn Fn(&str) -> Option<OsString>) -> Vec<PathBuf> {
     let of = |name: &str| variable(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-    let prefixes = [of("VIRTUAL_ENV"), of("CONDA_PREFIX"), of("HOME").map(|home| home.join(".local"))];
+    let given = environment.map(Path::to_path_buf);
+    let prefixes = [given, of("VIRTUAL_ENV"), of("CONDA_PREFIX"), of("HOME").map(|home| home.join(".local"))];
     let system = ["/usr/local", "/usr"].map(PathBuf::from);
     prefixes.into_iter().flatten().chain(system).flat_map(|prefix| within(&prefix)).collect()
 }
@@ -34,7 +35,7 @@ mod tests {
     #[test]
     fn the_library_of_an_environment_comes_first() {
         let folder = tempfile::tempdir().unwrap();
-        let [active, home] = ["active", "home"].map(|name| folder.path().join(name));
+        let [given, active, home] = ["given", "active", "home"].map(|name| folder.path().join(name));
         let place = |prefix: &Path| {
             let lib = prefix.join("lib/python3.11/site-packages/pyoidn/oidn/lib");
             std::fs::create_dir_all(&lib).unwrap();
@@ -48,7 +49,9 @@ mod tests {
             "HOME" => Some(home.clone().into_os_string()),
             _ => None,
         };
-        assert_eq!(found(&variable)[..2], expected);
+        assert_eq!(found(None, &variable)[..2], expected);
+        let first = place(&given);
+        assert_eq!(found(Some(&given), &variable)[..3], [&[first], &expected[..]].concat());
         assert!(within(&folder.path().join("nowhere")).is_empty());
     }
 }

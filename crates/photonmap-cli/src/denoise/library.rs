@@ -2,6 +2,7 @@
 #![expect(unsafe_code, reason = "calls functions of a C library")]
 
 use std::ffi::{CStr, CString, OsString, c_char, c_int, c_void};
+use std::path::Path;
 
 use libloading::Library;
 
@@ -111,12 +112,15 @@ impl Drop for Filter<'_> {
 }
 
 impl Oidn {
-    /// Loads it from the file that [`VARIABLE`] names, else from the packages of Python or the search path.
-    pub(super) fn load() -> Result<Self, String> {
+    /// Loads it from the file that [`VARIABLE`] names, else from the packages of Python, of this environment first, or the
+    /// search path.
+    pub(super) fn load(environment: Option<&Path>) -> Result<Self, String> {
         let named = std::env::var_os(VARIABLE).filter(|name| !name.is_empty());
         let names: Vec<OsString> = match named {
             Some(name) => vec![name],
-            None => by_pip().into_iter().map(OsString::from).chain(NAMES.iter().map(OsString::from)).collect(),
+            None => {
+                by_pip(environment).into_iter().map(OsString::from).chain(NAMES.iter().map(OsString::from)).collect()
+            }
         };
         let mut why = String::new();
         for name in names {

@@ -52,7 +52,6 @@ pub(super) fn apply(geometry: &mut Geometry, materials: &[MaterialDesc], raised:
     }
     // Corners that move, by vertex and new place.
     let mut moves: Vec<(u32, Place, u32)> = Vec::new();
-    #[expect(clippy::iter_over_hash_type, reason = "moves are sorted below")]
     for ((is_solid, _, at), triangles) in fans {
         let fans = if is_solid { connected(geometry, at, &triangles) } else { vec![triangles] };
         for fan in fans {

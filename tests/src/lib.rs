@@ -68,6 +68,7 @@ pub mod surface_claims;
 pub mod tangents;
 pub mod texture_limits;
 pub mod textures;
+pub mod touching;
 pub mod twin;
 pub mod views;
 
@@ -149,6 +150,7 @@ macro_rules! whole_suite {
                 g1_even_sky_over_glass, light_inside_glass, furnace_with_glass, glow_from_inside,
                 light_through_an_absorber, light_in_an_absorber,
             }
+            touching::{ glass_on_a_floor, layers_in_contact, clear_layers_in_even_light }
             nesting::{
                 p20_glass_on_water, camera_in_three_solids, light_in_two_solids, a_fifth_solid_is_counted,
                 nesting_is_required_where_it_is,

@@ -1,0 +1,190 @@
+//! Light through surfaces that coincide, in closed form: whatever the order of the meshes, and in scenes that are turned and
+//! scaled.
+//!
+//! Photons that fall perpendicularly on layers split at each interface by Fresnel's equations, so that the light which passes
+//! is a geometric series; see [`passes`].
+
+use photon_core::glam::{DMat3, DVec3};
+use photon_core::{EnvironmentMap, Estimator, Pipeline, Render, Settings, View};
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, shapes};
+
+use crate::harness::TestBackend;
+use crate::stats::{assert_agrees, moments, standard_error};
+
+const SIZE: u32 = 8;
+const PASSES: u32 = 6;
+/// So dark that what it reflects onto itself by way of the glass is below 10⁻³ of the light.
+const DARK: f64 = 1e-3;
+
+/// Position, size and orientation of a scene.
+#[derive(Clone, Copy)]
+struct Place {
+    turn: DMat3,
+    scale: f64,
+}
+
+impl Place {
+    /// Rounded to f32, as in files: planes that coincided do so up to rounding.
+    fn point(&self, at: [f64; 3]) -> [f64; 3] {
+        (self.turn * DVec3::from(at) * self.scale).as_vec3().as_dvec3().to_array()
+    }
+
+    fn direction(&self, at: [f64; 3]) -> [f64; 3] {
+        (self.turn * DVec3::from(at)).to_array()
+    }
+}
+
+/// A horizontal part of a scene.
+#[derive(Clone, Copy)]
+enum Part {
+    /// A diffuse square of this half side in the plane y = 0, and its albedo.
+    Floor(f64, f64),
+    /// A layer of a solid: half side, bottom and top, index and absorption.
+    Layer(f64, [f64; 2], f64, f64),
+    /// The same with a face of both sides in the middle, in its mesh.
+    Divided(f64, [f64; 2], f64, f64),
+}
+
+impl Part {
+    fn add(self, builder: &mut SceneBuilder, place: &Place) {
+        let (name, desc, (mut positions, mut triangles)) = match self {
+            Self::Floor(half, albedo) => {
+                let corners = vec![[-half, 0.0, half], [half, 0.0, half], [half, 0.0, -half], [-half, 0.0, -half]];
+                ("floor", MaterialDesc::lambert("floor", [albedo; 3]), (corners, vec![[0, 1, 2], [0, 2, 3]]))
+            }
+            Self::Layer(half, [low, high], ior, absorption) | Self::Divided(half, [low, high], ior, absorption) => {
+                let absorption = [absorption / place.scale; 3];
+                let surface = Surface::Dielectric { ior, absorption, tint: [1.0; 3], roughness: 0.0 };
+                let shape = shapes::cuboid([-half, low, -half], [half, high, half]);
+                ("layer", MaterialDesc::new(format!("glass {ior}"), surface), shape)
+            }
+        };
+        if let Self::Divided(half, [low, high], ..) = self {
+            let (y, first) = (0.5 * (low + high), positions.len() as u32);
+            positions.extend([[-half, y, half], [half, y, half], [half, y, -half], [-half, y, -half]]);
+            let faces = [[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]];
+            triangles.extend(faces.map(|face| face.map(|corner: u32| first + corner)));
+        }
+        let material = builder.material(desc);
+        builder.mesh(name, positions.into_iter().map(|at| place.point(at)).collect(), triangles, material);
+    }
+}
+
+/// Light on a scene.
+#[derive(Clone, Copy)]
+enum From {
+    /// Straight down, of irradiance π.
+    Above,
+    /// From everywhere, of radiance 1.
+    Everywhere,
+}
+
+fn scene(parts: &[Part], from: From, camera_height: f64, place: &Place) -> Scene {
+    let mut builder = SceneBuilder::new();
+    parts.iter().for_each(|part| part.add(&mut builder, place));
+    match from {
+        From::Above => {
+            let (direction, irradiance) = (place.direction([0.0, -1.0, 0.0]), [std::f64::consts::PI; 3]);
+            builder.light("sun", LightDesc::Directional { direction, irradiance });
+        }
+        From::Everywhere => builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap()),
+    }
+    let (from, down, up) =
+        (place.point([0.0, camera_height, 0.0]), place.direction([0.0, -1.0, 0.0]), place.direction([0.0, 0.0, 1.0]));
+    let projection = Projection::Orthographic { half_height: 0.5 * place.scale };
+    builder.camera("eye", CameraDesc::new(from, down, up, projection));
+    builder.build().unwrap()
+}
+
+/// Share of the light that passes layers of these indices and absorptions times thicknesses, from air to air, perpendicularly.
+/// Below n layers of transmittance t that reflect b of light from below, an interface of reflectance r lets t (1−r)/(1−b r)
+/// pass, and both reflect r + (1−r)² b/(1−b r).
+fn passes(layers: &[(f64, f64)]) -> f64 {
+    let (mut above, mut light, mut back) = (1.0, 1.0, 0.0_f64);
+    for &(ior, depth) in layers.iter().chain([&(1.0, 0.0)]) {
+        let r = ((ior - above) / (ior + above)).powi(2);
+        let series = 1.0 / (1.0 - back * r);
+        light *= (1.0 - r) * series * f64::exp(-depth);
+        back = (r + (1.0 - r).powi(2) * back * series) * f64::exp(-2.0 * depth);
+        above = ior;
+    }
+    light
+}
+
+/// Means of the passes, on a backend that is given back for the next scene.
+fn render<T: TestBackend>(on: T::On, scene: &Scene, radius: f64) -> (T::On, Vec<f64>) {
+    let estimator = Estimator::Radius { radius: Some(radius) };
+    let settings = Settings { photons: 20_000, alpha: 1.0, estimator, seed: 11, ..Settings::default() };
+    let view = View { camera: scene.camera(None, SIZE, SIZE).unwrap(), width: SIZE, height: SIZE };
+    let mut renderer = Pipeline::new(on, &scene.view(), view, settings).unwrap();
+    let mut before = 0.0;
+    let values = (0..PASSES).map(|pass| {
+        renderer.pass(pass, &mut ()).unwrap();
+        let beauty = renderer.film().unwrap().beauty();
+        let sum = beauty.iter().flatten().map(|&c| f64::from(c)).sum::<f64>() / (3 * beauty.len()) as f64;
+        let sum = sum * f64::from(pass + 1);
+        sum - std::mem::replace(&mut before, sum)
+    });
+    let values = values.collect();
+    (renderer.into_backend().unwrap(), values)
+}
+
+/// The radiance of `parts` is `truth` in both orders of the meshes, and turned and scaled. The standard error is that of the
+/// means of independent passes; `bound` is relative.
+fn check<T: TestBackend>(what: &str, parts: &[Part], (from, height): (From, f64), truth: f64, bound: f64) {
+    let turn = DMat3::from_axis_angle(DVec3::new(0.3, -0.7, 0.5).normalize(), 0.3);
+    let mut on = Some(T::make(2));
+    for (turn, scale, is_reversed) in
+        [(DMat3::IDENTITY, 1.0, false), (DMat3::IDENTITY, 1.0, true), (turn, 1e-3, false), (turn, 1e6, true)]
+    {
+        let mut parts = parts.to_vec();
+        if is_reversed {
+            parts.reverse();
+        }
+        let place = Place { turn, scale };
+        let scene = scene(&parts, from, height, &place);
+        let (back, values) = render::<T>(on.take().unwrap(), &scene, 0.25 * scale);
+        on = Some(back);
+        let what = format!("{what}, scale {scale}, reversed {is_reversed}: {:?}", scene.warnings());
+        assert_agrees(&what, moments(&values).0, truth, standard_error(&values), bound * truth);
+    }
+}
+
+/// A block of glass on a floor, with a film of air between: the sun passes twice, L = ρ T² E/π.
+pub fn glass_on_a_floor<T: TestBackend>() {
+    let block = Part::Layer(3.0, [0.0, 1.0], 1.5, 0.0);
+    let truth = DARK * passes(&[(1.5, 0.0)]).powi(2);
+    assert!((truth / DARK - 0.852).abs() < 1e-3);
+    check::<T>("sun", &[Part::Floor(4.0, DARK), block], (From::Above, 5.0), truth, 1e-3);
+    // All that is seen of a furnace has its radiance, whatever touches.
+    check::<T>("furnace", &[Part::Floor(4.0, 1.0), block], (From::Everywhere, 5.0), 1.0, 1e-4);
+}
+
+/// Layers in optical contact between a sun and a floor, seen from below: L = ρ T E/π.
+pub fn layers_in_contact<T: TestBackend>() {
+    let floor = Part::Floor(4.0, DARK);
+    let liquid = Part::Layer(4.0, [2.0, 3.0], 1.33, 2.0);
+    let slab = Part::Layer(4.0, [1.0, 2.0], 1.5, 0.0);
+    let truth = passes(&[(1.33, 2.0), (1.5, 0.0)]);
+    assert!((truth - 0.127).abs() < 1e-3);
+    check::<T>("liquid on glass", &[floor, liquid, slab], (From::Above, 0.4), DARK * truth, 1e-3);
+    let [upper, lower] = [[1.5, 2.0], [1.0, 1.5]].map(|span| Part::Layer(4.0, span, 1.5, 1.0));
+    let truth = passes(&[(1.5, 1.0)]);
+    assert!((truth - 0.3396).abs() < 1e-3);
+    check::<T>("equal slabs", &[floor, upper, lower], (From::Above, 0.4), DARK * truth, 1e-3);
+    let divided = Part::Divided(4.0, [1.0, 2.0], 1.5, 1.0);
+    check::<T>("a face within", &[floor, divided], (From::Above, 0.4), DARK * truth, 1e-3);
+}
+
+/// Ten clear layers of two indices in contact, and ten with gaps, in even light: radiance is 1 everywhere. No photons are
+/// traced; only sums are rounded.
+pub fn clear_layers_in_even_light<T: TestBackend>() {
+    for gap in [0.0, 0.05] {
+        let layer = |i: u32| {
+            let low = 0.2 * f64::from(i);
+            Part::Layer(3.0, [low, low + 0.2 - gap], if i % 2 == 0 { 1.5 } else { 1.33 }, 0.0)
+        };
+        let layers: Vec<Part> = (0..10).map(layer).collect();
+        check::<T>(&format!("gaps of {gap}"), &layers, (From::Everywhere, 5.0), 1.0, 1e-5);
+    }
+}

@@ -111,8 +111,11 @@ fn out_of_memory(error: IndexError) -> Error {
 #[test]
 fn every_large_allocation_may_fail() {
     // A failure that is swallowed must be seen.
-    let swallowed = || drop(Vec::<u8>::new().try_reserve_exact(LARGE));
-    assert!(std::panic::catch_unwind(|| fail_each("swallowed", || Ok(swallowed()))).is_err());
+    let swallowed = || {
+        drop(Vec::<u8>::new().try_reserve_exact(LARGE));
+        Ok(())
+    };
+    assert!(std::panic::catch_unwind(|| fail_each("swallowed", swallowed)).is_err());
 
     let scene = room();
     let base = Settings {

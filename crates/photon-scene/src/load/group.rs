@@ -72,6 +72,13 @@ impl Group {
         !pools.colors.is_empty() && indices.as_flattened().iter().any(|&index| pools.color(index).is_some())
     }
 
+    /// Number of corners without a colour, if others have one.
+    pub(super) fn without_colors(&self, pools: &Pools) -> usize {
+        let indices = if self.colors.is_empty() { &self.triangles } else { &self.colors };
+        let missing = || indices.as_flattened().iter().filter(|&&index| pools.color(index).is_none()).count();
+        if self.has_colors(pools) { missing() } else { 0 }
+    }
+
     /// The mesh; with texture coordinates only if it is textured.
     pub(super) fn mesh(self, pools: &Pools, is_textured: bool) -> Parts {
         let (is_smooth, has_colors) = (self.is_smooth(pools), self.has_colors(pools));

@@ -10,11 +10,12 @@ mod translate;
 
 use self::entry::Entry;
 use self::images::Images;
+pub(super) use self::images::has_alpha;
 use self::map::Map;
 use self::translate::Translation;
 use super::budget::{Budget, Shortage};
 use super::gltf::leaves_folder;
-use super::obj::parts;
+use super::obj::{parts, spellings, statements};
 use super::read_within;
 use super::text::text_of;
 use crate::builder::SceneBuilder;
@@ -49,8 +50,12 @@ impl Library {
     ) -> Result<(), SceneError> {
         let beside = |name: &str| obj.parent().unwrap_or(Path::new("")).join(name.replace('\\', "/"));
         let is_file = |name: &str| !leaves_folder(name) && beside(name).is_file();
+        if names.is_empty() {
+            report.left_out("the file", "a statement 'mtllib' without the name of a file");
+        }
         // One name with spaces in it, or several names.
-        let names = if is_file(names) { vec![names] } else { names.split_whitespace().collect() };
+        let whole = spellings(names).into_iter().find(|name| is_file(name));
+        let names = whole.map_or_else(|| names.split_whitespace().collect(), |name| vec![name]);
         for name in names {
             if is_file(name) {
                 let path = beside(name);
@@ -69,7 +74,7 @@ impl Library {
 
     /// Index of the material of that name; the last definition counts.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
-        self.by_name.get(name).copied()
+        spellings(name).into_iter().find_map(|name| self.by_name.get(name)).copied()
     }
 
     /// Converts each material to the renderer's model, and adds its textures to the scene; losses are reported.
@@ -91,17 +96,22 @@ impl Library {
     }
 
     fn parse(&mut self, path: &Path, budget: &Budget, report: &mut LoadReport) -> Result<(), SceneError> {
-        // The text, and the names and statements that are kept verbatim.
-        let text = text_of(path, read_within(path, budget, 4)?)?;
+        // The text, and the names and statements that are kept verbatim, most of them twice.
+        let text = text_of(path, read_within(path, budget, 5)?)?;
         let folder = Arc::new(path.parent().unwrap_or(Path::new("")).to_owned());
         // The material that statements belong to, and the first that belongs to none.
         let (mut current, mut stray, mut strays) = (None, 0, 0);
-        for (index, line) in text.lines().enumerate() {
-            let (keyword, rest) = parts(line);
+        for (statement, line) in statements(&text) {
+            let (keyword, rest) = parts(&statement);
             if keyword.eq_ignore_ascii_case("newmtl") && !rest.is_empty() {
                 let bytes = (size_of::<Entry>() + size_of::<MaterialDesc>()) as u64;
                 budget.take(bytes, || format!("material '{rest}'")).map_err(|why| why.in_file(path))?;
-                self.by_name.insert(rest.to_owned(), self.entries.len());
+                let [name, bare] = spellings(rest);
+                if self.by_name.insert(name.to_owned(), self.entries.len()).is_some() {
+                    let text = "is defined more than once; the last definition counts";
+                    report.approximated(format!("material '{name}'"), text);
+                }
+                self.by_name.entry(bare.to_owned()).or_insert(self.entries.len());
                 current = Some(self.entries.len());
                 self.entries.push(Entry { name: rest.to_owned(), folder: Arc::clone(&folder), ..Entry::default() });
             } else if !matches!(keyword, "" | "#") {
@@ -109,8 +119,8 @@ impl Library {
                     current = None;
                 }
                 match current {
-                    Some(entry) => self.entries[entry].add(keyword, rest, index + 1),
-                    None if strays == 0 => (stray, strays) = (index + 1, 1),
+                    Some(entry) => self.entries[entry].add(keyword, rest, line),
+                    None if strays == 0 => (stray, strays) = (line, 1),
                     None => strays += 1,
                 }
             }

@@ -8,8 +8,8 @@ mod pools;
 mod statements;
 
 use self::census::Census;
-use self::statements::{Reference, statements};
-pub(super) use self::statements::{number, parts};
+use self::statements::Reference;
+pub(super) use self::statements::{number, parts, spellings, statements, words};
 use super::budget::Budget;
 use super::group::{Corner, Group, NONE, Pools};
 use super::mtl::Library;
@@ -188,7 +188,7 @@ impl Reader<'_> {
         self.corners.clear();
         self.places.clear();
         let Pools { positions, normals, uvs, .. } = &self.pools;
-        for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
+        for word in words(rest) {
             let mut parts = word.split('/');
             let vertex = parts.next().unwrap_or_default();
             let Reference::To(position) = Reference::parse(Some(vertex), self.before.positions, positions.len()) else {
@@ -264,6 +264,11 @@ impl Reader<'_> {
                 let text = format!(
                     "{bare} of its triangles have no texture coordinates, which its material needs; 0 is taken"
                 );
+                self.report.approximated(format!("mesh '{object}'"), text);
+            }
+            let uncolored = group.without_colors(&self.pools);
+            if uncolored > 0 {
+                let text = format!("{uncolored} corners of its triangles have no colour, others do; they are white");
                 self.report.approximated(format!("mesh '{object}'"), text);
             }
             let (positions, triangles, attributes) = group.mesh(&self.pools, is_textured);

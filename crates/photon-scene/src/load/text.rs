@@ -6,6 +6,8 @@ use crate::error::SceneError;
 
 /// First bytes of files that are compressed or not in UTF-8, their name, and the remedy.
 const FOREIGN: &[(&[u8], &str, &str)] = &[
+    (&[0xFF, 0xFE, 0, 0], "text in UTF-32", SAVE),
+    (&[0, 0, 0xFE, 0xFF], "text in UTF-32", SAVE),
     (&[0xFF, 0xFE], UTF_16, SAVE),
     (&[0xFE, 0xFF], UTF_16, SAVE),
     (&[0x1F, 0x8B], "compressed by gzip", "unpack it with gunzip"),
@@ -23,14 +25,19 @@ const SAVE: &str = "save it as UTF-8";
 /// # Errors
 /// Compressed files and UTF-16, with the remedy.
 pub(super) fn content<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8], SceneError> {
-    let marked = FOREIGN.iter().find(|(start, ..)| bytes.starts_with(start)).map(|&(_, name, remedy)| (name, remedy));
-    // Without a mark: one of two bytes of its first character, which is ASCII, is 0.
-    let is_wide = || matches!(bytes, [0, other, ..] | [other, 0, ..] if *other != 0);
-    if let Some((name, remedy)) = marked.or_else(|| is_wide().then_some((UTF_16, SAVE))) {
+    if let Some((name, remedy)) = foreign(bytes) {
         let (what, hint) = (format!("it is {name}"), format!("{remedy}, and load that"));
         return Err(SceneError::Content { path: path.to_owned(), line: None, what, hint });
     }
     Ok(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes))
+}
+
+/// The name of the encoding or compression of a file that is not in UTF-8, and the remedy.
+pub(super) fn foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    let marked = FOREIGN.iter().find(|(start, ..)| bytes.starts_with(start)).map(|&(_, name, remedy)| (name, remedy));
+    // Without a mark: one of two bytes of its first character, which is ASCII, is 0.
+    let is_wide = || matches!(bytes, [0, other, ..] | [other, 0, ..] if *other != 0);
+    marked.or_else(|| is_wide().then_some((UTF_16, SAVE)))
 }
 
 /// The text of a file: all line ends are `\n` or `\r\n`, and bytes that are not UTF-8 are taken as Latin-1.
@@ -52,11 +59,14 @@ pub(super) fn text_of(path: &Path, mut bytes: Vec<u8>) -> Result<String, SceneEr
             bytes[at] = b'\n';
         }
     }
-    Ok(String::from_utf8(bytes).unwrap_or_else(|other| {
-        // Different names stay different, and are those of files on the disk.
-        let chunks = other.as_bytes().utf8_chunks();
-        chunks.flat_map(|chunk| chunk.valid().chars().chain(chunk.invalid().iter().map(|&byte| byte.into()))).collect()
-    }))
+    Ok(String::from_utf8(bytes).unwrap_or_else(|other| latin_1(other.as_bytes())))
+}
+
+/// Text whose bytes that are not UTF-8 are taken as Latin-1: different names stay different, and are those of files on the
+/// disk.
+pub(super) fn latin_1(bytes: &[u8]) -> String {
+    let chunks = bytes.utf8_chunks();
+    chunks.flat_map(|chunk| chunk.valid().chars().chain(chunk.invalid().iter().map(|&byte| byte.into()))).collect()
 }
 
 #[cfg(test)]
@@ -84,6 +94,7 @@ mod tests {
             (b"\xFE\xFF\0v", "UTF-16"),
             (b"v\0 \x001\0", "UTF-16"),
             (b"\0v\0 ", "UTF-16"),
+            (b"\xFF\xFE\0\0v\0\0\0", "UTF-32"),
             (b"\x1F\x8B\x08\0", "compressed by gzip; unpack it with gunzip"),
             (b"PK\x03\x04", "ZIP"),
             (b"v 1\0\0\n", "not text"),

@@ -87,9 +87,6 @@ fn obj_faults_name_their_line() {
     names(&fault("v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"), &["line 4", "face 1 uses vertex 2", "NaN", "finite"]);
     names(&fault("v 0 0\n"), &["line 1", "nothing", "three numbers"]);
     names(&fault("v 0 x 0\n"), &["line 1", "has x in place of a number"]);
-    folder.file("bright.mtl", "newmtl bright\nKd 1.5 0 0\n");
-    let bright = folder.file("bright.obj", format!("mtllib bright.mtl\nusemtl bright\n{start}f 1 2 3\n"));
-    names(&message(load(&bright, None)), &["material 'bright'", "albedo", "1.5"]);
     let (scene, _) = load(&folder.file("empty.obj", ""), None).expect("nothing");
     assert!(scene.warnings()[0].contains("no triangles"));
 }
@@ -117,13 +114,22 @@ fn faults_of_exporters_have_a_line() {
         ("v 0 0 0 1 1 1 0.5\nf 1 2 3", "1 vertices have numbers"),
         ("v 0 0 0 nan 1 1\nf 1 2 3", "1 vertices have numbers"),
         ("v 0 0 0 9 1 0\nf 1 2 3", "taken as sRGB from 0 to 255"),
+        ("mtllib\nf 1 2 3", "left out: the file: a statement 'mtllib' without the name of a file"),
+        ("v 1 1 0 1 0 0\nf 1 2 4", "approximated: mesh 'a': 2 corners of its triangles have no colour, others do"),
         ("l 1 2\np 1\nl 2 3\nf 1 2 3", "2 statements 'l', which are not geometry that is read; the first in line 4"),
     ] {
         let (scene, found) = lines(&format!("{START}{text}\n"));
         assert_eq!(scene.view().triangles.len(), 1, "{text}");
         names(found.first().unwrap_or_else(|| panic!("{text}: no line")), &[line]);
     }
-    for text in ["v nan inf 1.#QNAN\nf 1 2 3", "v 0 0 0 1.0 # weight\nf 1 2 3", "f 1/ 2// 3 # none", "S off\rf 1 2 3"] {
+    for text in [
+        "v nan inf 1.#QNAN\nf 1 2 3",
+        "v 0 0 0 1.0 # weight\nf 1 2 3",
+        "f 1/ 2// 3 # none",
+        "\u{FEFF}f 1 2 3#none",
+        "# C:\\scenes\\\nf 1 2 3",
+        "S off\rf 1 2 3",
+    ] {
         let (_, found) = lines(&format!("{START}{text}\n"));
         assert!(found.is_empty() || text.starts_with('S'), "{text}: {found:?}");
     }
@@ -163,6 +169,20 @@ fn faults_of_materials_have_a_line() {
             "Kd 0.8 0.2 0.4 1.0",
             "approximated: material 'a': 'Kd 0.8 0.2 0.4 1.0' in line 3 of its file: the first three",
         ),
+        (
+            "Kd 204 51 102",
+            "approximated: material 'a': 'Kd 204 51 102' in line 3 of its file: it is taken as numbers from 0 to",
+        ),
+        ("Kd 0.1 0.1 0.1\nKd 0.8 0.2 0.4", "'Kd 0.8 0.2 0.4' in line 4 of its file: it replaces an earlier one"),
+        ("Ks 1.5 0 0\nillum 1", "'Ks 1.5 0 0' in line 3 of its file: its numbers must lie between 0 and 1"),
+        ("Ke -1 0 0", "its numbers must be at least 0, and are clamped"),
+        ("Tf 0.5 0.5 0.5", "left out: material 'a': its filter Tf [0.5, 0.5, 0.5]"),
+        ("d 1\nTr 0.5", "'Tr 0.5' in line 4 of its file: d and Tr contradict each other; d counts"),
+        ("Tr 0.5\nd 1", "'d 1' in line 4 of its file: d and Tr contradict each other; d counts"),
+        (
+            "newmtl a\nKd 0.8 0.2 0.4",
+            "approximated: material 'a': is defined more than once; the last definition counts",
+        ),
         ("Ke", "'Ke' in line 3"),
         ("Ks nan", "'Ks nan'"),
         ("Ni", "a finite number must"),
@@ -186,6 +206,13 @@ fn faults_of_materials_have_a_line() {
         names(&report.to_string(), &[line]);
         assert!(!report.is_exact(), "{statements}");
     }
+    // Not those that say the same twice, or are no fault.
+    for statements in ["Kd 0.8 0.2 0.4", "d 1\nTr 0", "Tf 0 0 0", "Kd 0.8 \\\n 0.2 0.4", "newmtl b # unused\nKd 0 0 0"]
+    {
+        folder.file("a.mtl", format!("newmtl a\nKd 0.8 0.2 0.4\n{statements}\n"));
+        let (scene, report) = load(&folder.0.join("a.obj"), None).expect("a scene");
+        assert!(report.is_exact() && material(&scene, "a").albedo == [0.8, 0.2, 0.4], "{statements}: {report}");
+    }
     for (statement, share) in [("Pr 1.5", 1.0), ("Pm 7\nPr 1", 1.0), ("Pr -1", 0.0)] {
         folder.file("a.mtl", format!("newmtl a\nKd 0.8 0.2 0.4\n{statement}\n"));
         let (scene, report) = load(&folder.0.join("a.obj"), None).expect("a scene");
@@ -195,6 +222,16 @@ fn faults_of_materials_have_a_line() {
     let (scene, report) = load(&folder.0.join("a.obj"), None).expect("a scene");
     assert_eq!(material(&scene, "a").albedo, [0.8, 0.2, 0.4]);
     names(&report.to_string(), &["a.mtl': 2 statements without 'newmtl'"]);
+    // Names with quotes and comments, and colours out of range.
+    for (name, color, expected) in
+        [("a # red", "1.5 -1 0", [1.0, 0.0, 0.0]), ("\"a\"", "12 255 0.5", [12.0 / 255.0, 1.0, 0.5 / 255.0])]
+    {
+        folder.file("a b.mtl", format!("newmtl {name}\nKd {color}\n"));
+        let text = "mtllib \"a b.mtl\" # all\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let (scene, report) = load(&folder.file("b.obj", text), None).expect("a scene");
+        assert_eq!(material(&scene, name).albedo, expected.map(|part| part as f32), "{report}");
+        assert!(!report.is_exact() && !report.to_string().contains("not defined"), "{report}");
+    }
 }
 
 /// Models 4, 6, 7 and 9 are those of glass, and of opaque materials of many programs.
@@ -255,8 +292,9 @@ fn a_library_that_is_a_device_is_not_read() {
 fn obj_lines_that_are_joined_count_once() {
     let folder = Folder::new("obj-joined");
     let text = |face: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0 \\\nv 5 5 5\n# \\\nv 6 6 6\nf 1 \\\n 2 \\\n{face}\n");
-    let (scene, _) = load(&folder.file("good.obj", text("3")), None).expect("three vertices");
+    let (scene, _) =
+        load(&folder.file("good.obj", text("3")), None).expect("four vertices, since comments end with their line");
     assert_eq!(scene.view().triangles.len(), 1);
-    let error = message(load(&folder.file("bad.obj", text("4")), None));
-    names(&error, &["line 7", "face 1 refers to vertex '4'", "the file has 3"]);
+    let error = message(load(&folder.file("bad.obj", text("5")), None));
+    names(&error, &["line 7", "face 1 refers to vertex '5'", "the file has 4"]);
 }

@@ -152,4 +152,9 @@ fn dissolve_maps_are_alpha() {
     let textures = scene.view().shading.material_textures[0];
     assert_eq!((textures.base_color, textures.alpha, scene.view().shading.textures.len()), (0, 0, 1));
     assert!(report.is_exact(), "{report}");
+    // Without that, alpha is not read.
+    folder.file("a.mtl", "newmtl a\nKd 1 1 1\nmap_Kd \"leaf.png\" # green\n");
+    let (scene, report) = load(&obj, None).expect("a scene");
+    assert!(!scene.view().materials[0].has_alpha() && scene.view().shading.textures.len() == 1);
+    names(&report.to_string(), &["left out: material 'a': the alpha of its map_Kd"]);
 }

@@ -271,6 +271,8 @@ fn ply_attributes_of_faces() {
     // Two images, by the numbers of the faces.
     let two = format!("{image}comment TextureFile a.png\n");
     let numbered = format!("{corners}property int texnumber\n");
+    let (_, report) = file(image, "", none, &numbered, ["6 0 0 1 0 1 1 0", "6 0 0 1 1 0 1 7"]);
+    names(&report.to_string(), &["approximated: mesh 'a': 1 of its faces have a number of an image (texnumber)"]);
     let (scene, report) = file(&two, "", none, &numbered, ["6 0 0 1 0 1 1 1", "6 0 0 1 1 0 1 0"]);
     assert!(scene.material_names().eq(["default", "a.png"]) && report.is_exact(), "{report}");
     assert_eq!(scene.view().primitives.iter().map(|primitive| primitive.material).collect::<Vec<_>>(), [0, 1]);

@@ -101,8 +101,17 @@ fn hint(error: &clap::Error) -> Option<String> {
         }
         ErrorKind::UnknownArgument => {
             let given = of(ContextKind::InvalidArg)?;
+            if given.parse::<f64>().is_ok() {
+                return Some(format!("hint: {given} is negative, which the option before it may not be"));
+            }
             let (_, ours) = OTHERS.iter().find(|(names, _)| names.contains(&given))?;
             Some(format!("hint: {ours}"))
+        }
+        ErrorKind::InvalidValue => {
+            let is_gpu = ["gpu", "cuda", "optix", "metal"].contains(&of(ContextKind::InvalidValue)?);
+            let is_backend = of(ContextKind::InvalidArg)?.starts_with("--backend");
+            (is_gpu && is_backend)
+                .then(|| "hint: --backend vulkan renders on a GPU; `photonmap devices` lists them".to_owned())
         }
         _ => None,
     }
@@ -162,6 +171,9 @@ mod tests {
         for (option, ours) in [("--spp", "--passes"), ("--width", "--size"), ("--gpu", "--backend"), ("-q", "2>")] {
             assert!(of(&["render", "cornell", option, "64"]).contains(ours), "{option}");
         }
+        assert!(of(&["render", "cornell", "--seed", "-1"]).contains("-1 is negative"));
+        assert!(of(&["render", "--backend", "gpu"]).contains("--backend vulkan"));
+        assert_eq!([of(&["render", "--backend", "none"]), of(&["render", "--preset", "gpu"])], ["", ""]);
         assert_eq!(of(&["rendr"]), "");
         assert_eq!(of(&["render", "--nonsense"]), "");
     }

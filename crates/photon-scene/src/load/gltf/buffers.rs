@@ -71,7 +71,7 @@ impl<'a> Buffers<'a> {
     /// Bytes of the document, and of the buffers in files beside it.
     pub(super) fn file_bytes(&self, document: u64) -> u64 {
         let uris = self.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
-        let files: BTreeSet<&str> = uris.filter(|uri| !uri.starts_with("data:")).collect();
+        let files: BTreeSet<&str> = uris.filter(|uri| uri::data_of(uri).is_none()).collect();
         files.iter().map(|uri| uri::length(uri, self.folder).unwrap_or(0)).fold(document, u64::saturating_add)
     }
 
@@ -157,7 +157,7 @@ impl<'a> Buffers<'a> {
         let needed = buffer.byte_length.0;
         if (bytes.len() as u64) < needed {
             let place = match buffer.uri.as_deref() {
-                Some(uri) if !uri.starts_with("data:") => format!("the file {uri}"),
+                Some(uri) if uri::data_of(uri).is_none() => format!("the file {uri}"),
                 Some(_) => "its data URI".to_owned(),
                 None => "the GLB chunk".to_owned(),
             };

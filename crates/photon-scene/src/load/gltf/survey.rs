@@ -96,7 +96,7 @@ fn header(textures: &Textures<'_>, index: usize) -> Result<Option<Found>, Fault>
     let (image, buffers) = (&textures.root().images[index], textures.buffers());
     let left = buffers.budget().left().unwrap_or(u64::MAX);
     let found = match (&image.uri, image.buffer_view) {
-        (Some(uri), _) if uri.starts_with("data:") => {
+        (Some(uri), _) if uri::data_of(uri).is_some() => {
             buffers.budget().check(uri.len() as u64, || format!("the data URI of image {index}"))?;
             let bytes = uri::read(uri, buffers.folder()).ok();
             let length = |bytes: &Vec<u8>| bytes.len() as u64;

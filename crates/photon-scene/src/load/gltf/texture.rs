@@ -113,7 +113,7 @@ impl<'a> Textures<'a> {
         let image = found.and_then(|found| self.root.images.get(self.source(found)?));
         found.and_then(|texture| texture.name.as_deref()).or_else(|| {
             let uri = image.and_then(|image| image.uri.as_deref());
-            image.and_then(|image| image.name.as_deref()).or(uri.filter(|uri| !uri.starts_with("data:")))
+            image.and_then(|image| image.name.as_deref()).or(uri.filter(|uri| uri::data_of(uri).is_none()))
         })
     }
 
@@ -364,7 +364,7 @@ impl<'a> Textures<'a> {
             true => self.with_floats(decoded, image).halve(planned),
             false => decoded,
         });
-        decoded.map_err(|why| match image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) {
+        decoded.map_err(|why| match image.uri.as_deref().filter(|uri| uri::data_of(uri).is_none()) {
             Some(uri) => format!("its image, {uri}, {why}"),
             None => format!("its image {why}"),
         })

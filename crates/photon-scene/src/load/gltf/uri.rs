@@ -5,13 +5,19 @@ use std::path::{Path, PathBuf};
 
 use super::fault::AGAIN;
 
+/// What follows `data:` in a URI that contains its data; schemes have letters of any case.
+pub(super) fn data_of(uri: &str) -> Option<&str> {
+    let (scheme, data) = uri.split_at_checked(5)?;
+    scheme.eq_ignore_ascii_case("data:").then_some(data)
+}
+
 /// The bytes that `uri` refers to; relative paths start at `folder`.
 ///
 /// # Errors
 ///
 /// Why it cannot be read, as the predicate of a sentence about the object that has it, and the hint.
 pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'static str)> {
-    if let Some(data) = uri.strip_prefix("data:") {
+    if let Some(data) = data_of(uri) {
         return read_data(data);
     }
     let path = path(uri, folder)?;
@@ -25,7 +31,7 @@ pub(super) fn read(uri: &str, folder: &Path) -> Result<Vec<u8>, (String, &'stati
 ///
 /// As [`read`].
 pub(super) fn length(uri: &str, folder: &Path) -> Result<u64, (String, &'static str)> {
-    if uri.starts_with("data:") {
+    if data_of(uri).is_some() {
         return Ok(uri.len() as u64);
     }
     Ok(fs::metadata(path(uri, folder)?).map_or(0, |data| data.len()))
@@ -76,7 +82,7 @@ fn decoded(uri: &str) -> String {
 /// Whether a file is found only with the backslashes of its URI read as slashes.
 pub(super) fn has_backslashes(uri: &str, folder: &Path) -> bool {
     let decoded = decoded(uri);
-    !uri.starts_with("data:")
+    data_of(uri).is_none()
         && decoded.contains('\\')
         && path(uri, folder).is_ok_and(|path| path != folder.join(&decoded) && path != folder.join(uri))
 }

@@ -104,7 +104,7 @@ pub(super) fn header(file: &[u8], length: u64) -> Result<Header, ImageError> {
 pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let meta = open(file, file.len() as u64)?;
     dwa::check(file, &meta.headers)?;
-    let Source { names, alpha, is_chroma, .. } = colors::find(&meta.headers)?;
+    let Source { names, alpha, is_chroma, has_others, .. } = colors::find(&meta.headers)?;
     let outside = if alpha.is_some() { 0.0 } else { 1.0 };
     let alpha = alpha.unwrap_or_else(|| Text::from("A"));
     let layers = read().no_deep_data().largest_resolution_level().specific_channels();
@@ -129,6 +129,10 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
         colors::from_chroma(&mut texels, attributes.chromaticities);
     }
     let shown = Window { at: attributes.display_window.position, size: attributes.display_window.size };
-    let Placed { texels, remarks } = window::place(texels, data, shown, outside)?;
+    let Placed { texels, mut remarks } = window::place(texels, data, shown, outside)?;
+    remarks.extend(colors::remark(attributes.chromaticities));
+    if has_others {
+        remarks.push("has other layers of colours, which are left out".to_owned());
+    }
     Ok(Image { remarks, ..Image::of_floats(size_of(shown.size)?, texels) })
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::header::Header;
-use super::{Image, ImageError, check_size};
+use super::{Image, ImageError, check_size, primaries_remark};
 
 /// Widths for which the newer encoding is defined.
 const RUN_WIDTHS: std::ops::RangeInclusive<usize> = 8..=0x7FFF;
@@ -18,7 +18,7 @@ pub(super) fn header(file: &[u8]) -> Result<Header, ImageError> {
 
 pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let mut reader = Reader { rest: file };
-    let factors = lines(&mut reader)?;
+    let Lines { factors, remarks } = lines(&mut reader)?;
     let Orientation { size, flip_x, flip_y } = orientation(&reader.line()?)?;
     let [width, height] = size.map(|side| side as usize);
     // Grows with the data, so that a short file does not take the memory of a large image.
@@ -36,17 +36,23 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
         let rows: Vec<&[[f32; 4]]> = texels.chunks_exact(width).rev().collect();
         texels = rows.concat();
     }
-    Ok(Image::of_floats(size, texels))
+    Ok(Image { remarks, ..Image::of_floats(size, texels) })
 }
 
-/// Reads the lines before the resolution; returns the factors by which red, green and blue were multiplied.
-fn lines(reader: &mut Reader<'_>) -> Result<[f32; 3], ImageError> {
-    let mut factors = [1.0_f32; 3];
+/// What the lines before the resolution say.
+struct Lines {
+    /// Those by which red, green and blue were multiplied.
+    factors: [f32; 3],
+    remarks: Vec<String>,
+}
+
+fn lines(reader: &mut Reader<'_>) -> Result<Lines, ImageError> {
+    let (mut factors, mut remarks) = ([1.0_f32; 3], Vec::new());
     loop {
         let line = reader.line()?;
         let line = line.trim();
         if line.is_empty() {
-            return Ok(factors);
+            return Ok(Lines { factors, remarks });
         }
         if let Some(format) = line.strip_prefix("FORMAT=") {
             if format.trim() != "32-bit_rle_rgbe" {
@@ -60,6 +66,10 @@ fn lines(reader: &mut Reader<'_>) -> Result<[f32; 3], ImageError> {
         let more = match name.trim_end() {
             "EXPOSURE" => [number(); 3],
             "COLORCORR" => [number(), number(), number()],
+            "PRIMARIES" => {
+                remarks.extend(primaries_remark(&given.collect::<Vec<_>>()));
+                continue;
+            }
             _ => continue,
         };
         factors.iter_mut().zip(more).for_each(|(factor, more)| *factor *= more);

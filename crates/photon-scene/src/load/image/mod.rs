@@ -53,7 +53,7 @@ impl ImageError {
     /// A decoder's message.
     fn damaged(format: &str, why: &dyn std::fmt::Debug) -> Self {
         let why = format!("{why:?}");
-        Self(format!("cannot be decoded as {format}: {}", why.trim_matches('"')))
+        Self(format!("cannot be decoded as {format}: {}", why.trim_matches('"').trim_end_matches("\\n")))
     }
 }
 
@@ -232,6 +232,15 @@ impl Format {
 
 fn not_read(name: &str) -> ImageError {
     ImageError::new(format!("is {name}; only PNG, JPEG, WebP, OpenEXR and Radiance HDR are read"))
+}
+
+/// What is approximated in an image with these primaries and white, four pairs of x and y; `None` for those of Rec. 709, with
+/// any of the whites that go with them.
+fn primaries_remark(primaries: &[f32]) -> Option<String> {
+    const REC_709: [f32; 8] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
+    let is_near = primaries.len() == REC_709.len() && primaries.iter().zip(REC_709).all(|(a, b)| (a - b).abs() < 0.025);
+    let text = || format!("has primaries of its own, {primaries:?}, and is read as if they were those of Rec. 709");
+    (!is_near).then(text)
 }
 
 /// Checks a size from a header; `words` is the number of words for each texel.

@@ -14,6 +14,8 @@ const DENSEST: u64 = 8256;
 const OVERHEAD: u64 = 256 << 10;
 
 fn damaged(why: DecodingError) -> ImageError {
+    let why = why.to_string();
+    let why = if why.starts_with("CRC") { "a checksum is wrong" } else { &why };
     ImageError::new(format!("cannot be decoded as PNG: {why}"))
 }
 

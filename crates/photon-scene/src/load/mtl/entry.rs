@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::map::Map;
-use crate::load::obj::number;
+use crate::load::obj::{number, words};
 use crate::report::ReportKind;
 
 /// A material as defined in its file.
@@ -27,6 +27,10 @@ pub(super) struct Entry {
     pub(super) shininess: Option<f64>,
     /// `Ni`
     pub(super) ior: Option<f64>,
+    /// `d`
+    pub(super) opacity: Option<f64>,
+    /// `Tr`
+    pub(super) transparency: Option<f64>,
     /// `d`, or 1 − `Tr`.
     pub(super) dissolve: Option<f64>,
     /// Whether that is a `Tr` of 1, which some programs write for opaque materials.
@@ -53,6 +57,8 @@ pub(super) struct Entry {
     pub(super) textures: Vec<String>,
     /// Other statements, verbatim.
     pub(super) others: Vec<String>,
+    /// Keywords that are read, with what followed.
+    pub(super) given: Vec<(&'static str, String)>,
     /// Statements that are left out, or not taken as they are.
     pub(super) flaws: Vec<(ReportKind, String)>,
 }
@@ -72,7 +78,16 @@ const KEYWORDS: &[&str] = &[
 impl Entry {
     /// Takes in the statement of a line.
     pub(super) fn add(&mut self, keyword: &str, rest: &str, line: usize) {
-        let (kind, why) = match self.statement(keyword, rest) {
+        let known = KEYWORDS.iter().find(|known| known.eq_ignore_ascii_case(keyword)).copied();
+        let earlier = known.and_then(|known| self.given.iter_mut().find(|(given, _)| *given == known));
+        let is_changed = earlier.as_ref().is_some_and(|(_, given)| given != rest);
+        match (earlier, known) {
+            (Some((_, given)), _) => rest.clone_into(given),
+            (None, Some(known)) => self.given.push((known, rest.to_owned())),
+            (None, None) => {}
+        }
+        let (kind, why) = match self.statement(known.unwrap_or(keyword), keyword, rest) {
+            Ok(()) if is_changed => (ReportKind::Approximated, "it replaces an earlier one"),
             Ok(()) => return,
             Err(Flaw::LeftOut(why)) => (ReportKind::LeftOut, why),
             Err(Flaw::Approximated(why)) => (ReportKind::Approximated, why),
@@ -81,9 +96,14 @@ impl Entry {
         self.flaws.push((kind, format!("'{}' in line {line} of its file: {why}", statement.trim_end())));
     }
 
-    fn statement(&mut self, keyword: &str, rest: &str) -> Result<(), Flaw> {
-        let known = KEYWORDS.iter().find(|known| known.eq_ignore_ascii_case(keyword)).copied().unwrap_or(keyword);
-        let map = || Map::parse(rest).map(Some).map_err(Flaw::LeftOut);
+    /// Whether it has a filter that does something. One of 0 is that of programs without.
+    pub(super) fn filters(&self) -> bool {
+        self.filter.is_some_and(|filter| filter != [1.0; 3] && filter != [0.0; 3])
+    }
+
+    /// Takes in a statement; `known` is its keyword as the format spells it.
+    fn statement(&mut self, known: &str, keyword: &str, rest: &str) -> Result<(), Flaw> {
+        let map = || Map::parse(rest).map(|map| Some(map.in_folder(&self.folder))).map_err(Flaw::LeftOut);
         match known {
             "Ka" | "Kd" | "Ks" | "Ke" | "Tf" => {
                 if rest.starts_with("spectral") || rest.starts_with("xyz") {
@@ -98,7 +118,24 @@ impl Entry {
                     _ => &mut self.filter,
                 };
                 let (color, has_more) = color(rest).ok_or(Flaw::LeftOut("one finite number, or three, must follow"))?;
-                *place = Some(color);
+                let most = color.into_iter().fold(0.0, f64::max);
+                // Nothing reflects more than all; emission has no bound.
+                let (white, unit) = match known {
+                    "Ka" | "Ke" => (f64::INFINITY, 1.0),
+                    _ if most > 10.0 => (255.0, 255.0),
+                    _ => (1.0, 1.0),
+                };
+                *place = Some(color.map(|part| part.clamp(0.0, white) / unit));
+                if color.iter().any(|part| !(0.0..=white).contains(part)) {
+                    return Err(Flaw::Approximated(if white.is_finite() {
+                        "its numbers must lie between 0 and 1, and are clamped"
+                    } else {
+                        "its numbers must be at least 0, and are clamped"
+                    }));
+                }
+                if unit > 1.0 {
+                    return Err(Flaw::Approximated("it is taken as numbers from 0 to 255"));
+                }
                 if has_more {
                     return Err(Flaw::Approximated("the first three numbers are taken"));
                 }
@@ -111,18 +148,16 @@ impl Entry {
             "Pr" => return share(rest, |share| self.roughness = Some(share)),
             "Pm" => return share(rest, |share| self.metallic = Some(share)),
             "d" => {
-                self.is_tr_one = false;
                 let plain = rest.trim_start_matches("-halo");
-                share(plain, |share| self.dissolve = Some(share))?;
+                let set = share(plain, |share| self.opacity = Some(share));
+                set.and(self.cover())?;
                 if plain != rest {
                     return Err(Flaw::Approximated("its opacity does not vary with the angle"));
                 }
             }
             "Tr" => {
-                return share(rest, |transparency| {
-                    self.is_tr_one = self.dissolve.is_none() && transparency == 1.0;
-                    self.dissolve = self.dissolve.or(Some(1.0 - transparency));
-                });
+                let set = share(rest, |share| self.transparency = Some(share));
+                set.and(self.cover())?;
             }
             "illum" => {
                 let is_model = |model: &f64| (0.0..=10.0).contains(model) && model.fract() == 0.0;
@@ -142,10 +177,19 @@ impl Entry {
         }
         Ok(())
     }
+
+    /// Decides from `d` and `Tr` how much of a surface is there.
+    fn cover(&mut self) -> Result<(), Flaw> {
+        let of_tr = self.transparency.map(|share| 1.0 - share);
+        self.dissolve = self.opacity.or(of_tr);
+        self.is_tr_one = self.opacity.is_none() && self.transparency == Some(1.0);
+        let differs = self.dissolve.zip(of_tr).is_some_and(|(d, of_tr)| (d - of_tr).abs() > 1e-3);
+        if differs { Err(Flaw::Approximated("d and Tr contradict each other; d counts")) } else { Ok(()) }
+    }
 }
 
 fn finite(rest: &str) -> Result<f64, Flaw> {
-    let first = rest.split_whitespace().next().and_then(number);
+    let first = words(rest).next().and_then(number);
     first.filter(|number| number.is_finite()).ok_or(Flaw::LeftOut("a finite number must follow"))
 }
 
@@ -159,7 +203,7 @@ fn share(rest: &str, mut set: impl FnMut(f64)) -> Result<(), Flaw> {
 
 /// Three finite numbers, or one number for all channels, and whether more follows.
 fn color(rest: &str) -> Option<([f64; 3], bool)> {
-    let mut words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
+    let mut words = words(rest);
     let first = number(words.next()?)?;
     let mut color = [first; 3];
     if let Some(second) = words.next() {

@@ -143,6 +143,11 @@ impl Images {
     }
 }
 
+/// Whether some texels of a texture are not opaque.
+pub(in crate::load) fn has_alpha(builder: &SceneBuilder, used: TextureRef) -> bool {
+    uniform_alpha(&builder.textures[used.texture.0 as usize].image) != Some(1.0)
+}
+
 /// White texels, whose alpha is the mean of the channels.
 fn means_as_alpha(image: &Texture) -> Texture {
     let texels = if image.format.is_float() {

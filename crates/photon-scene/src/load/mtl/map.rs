@@ -1,6 +1,11 @@
 //! The arguments of texture statements of MTL: options and a file name.
 
+use std::path::Path;
+
 use photon_core::Wrap;
+
+use crate::load::gltf::leaves_folder;
+use crate::load::obj::spellings;
 
 /// A texture statement such as `map_Kd -s 2 2 wood grain.png`.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,6 +71,16 @@ impl Map {
             false => Err("the values of its options must be finite numbers"),
             true => Ok(map),
         }
+    }
+
+    /// The same with the spelling of its name that is a file in a folder, if one is.
+    pub(super) fn in_folder(mut self, folder: &Path) -> Self {
+        let is_file = |name: &str| !leaves_folder(name) && folder.join(name).is_file();
+        let [written, other] = spellings(&self.file);
+        if !is_file(written) && is_file(other) {
+            self.file = other.to_owned();
+        }
+        self
     }
 
     /// The transform of texture coordinates whose v runs downwards, while that of MTL runs upwards.

@@ -1,7 +1,7 @@
 //! Converts an MTL material to the renderer's model.
 
 use super::Entry;
-use super::images::Images;
+use super::images::{Images, has_alpha};
 use super::map::Map;
 use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, MaterialDesc, Surface};
@@ -61,6 +61,10 @@ impl Translation<'_> {
                 "its Ka of {ambient:?}: ambient light is not physical, but some files put emission there; if this one \
                  does, give emission in an override file"
             ));
+        }
+        let base = desc.textures.base_color.filter(|_| desc.textures.alpha.is_none());
+        if base.is_some_and(|used| has_alpha(self.builder, used)) {
+            self.left_out("the alpha of its map_Kd; name the image by map_d too, if it is meant");
         }
         self.leftovers();
         desc
@@ -141,6 +145,9 @@ impl Translation<'_> {
                  {illumination}); kind = \"glass\" in an override file makes it glass"
             ));
         }
+        if !is_glass && self.material.filters() {
+            self.left_out(format!("its filter Tf {tint:?}: its illumination model {illumination} is not one of glass"));
+        }
         if is_glass && self.is_transparent() {
             let ior = self.ior();
             self.approximated(format!(
@@ -166,16 +173,15 @@ impl Translation<'_> {
     }
 
     /// Whether light passes a material with the illumination model of glass. Many programs write that for opaque materials
-    /// too: those have a colour, and neither bend nor filter light. A filter of 0 is that of programs without one.
+    /// too: those have a colour, and neither bend nor filter light.
     fn is_transparent(&self) -> bool {
-        let Entry { diffuse, diffuse_map, filter, ior, dissolve, is_tr_one, .. } = self.material;
+        let Entry { diffuse, diffuse_map, ior, dissolve, is_tr_one, .. } = self.material;
         let has_color = diffuse_map.is_some() || diffuse.is_some_and(|color| color != [0.0; 3]);
-        let filters = filter.is_some_and(|filter| filter != [1.0; 3] && filter != [0.0; 3]);
         let bends = match ior {
             Some(ior) => *ior != 1.0,
             None => !is_tr_one && dissolve.is_some_and(|dissolve| dissolve < 1.0),
         };
-        !has_color || filters || bends
+        !has_color || self.material.filters() || bends
     }
 
     fn ior(&mut self) -> f64 {

@@ -1,7 +1,7 @@
 //! Definitions of an OBJ file, which may come before or after the faces that use them.
 
 use super::census::Census;
-use super::statements::{number, parts, statements};
+use super::statements::{number, parts, statements, words};
 use crate::color::srgb_to_linear;
 use crate::load::group::Pools;
 use crate::load::white::White;
@@ -72,7 +72,7 @@ pub(super) fn read(text: &str, vertices: usize, census: &mut Census) -> Result<P
 
 /// The first numbers of a statement, at most `N`, and the word behind them.
 fn numbers<const N: usize>(rest: &str) -> (Numbers<N>, Option<&str>) {
-    let mut words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
+    let mut words = words(rest);
     let mut numbers = Numbers { list: [0.0; N], count: 0 };
     for word in words.by_ref() {
         match number(word).filter(|_| numbers.count < N) {

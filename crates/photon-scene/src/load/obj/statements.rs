@@ -3,13 +3,15 @@
 use crate::load::group::NONE;
 use std::borrow::Cow;
 
-/// The statements of a file, each with the number of its first line: a backslash at the end joins a line with the next.
-pub(super) fn statements(text: &str) -> impl Iterator<Item = (Cow<'_, str>, usize)> {
+/// The statements of a file, each with the number of its first line: a backslash at the end joins a line with the next, unless
+/// it is that of a comment, such as the name of a folder.
+pub(in crate::load) fn statements(text: &str) -> impl Iterator<Item = (Cow<'_, str>, usize)> {
     let begun = |line: &'_ str| line.trim_end().strip_suffix('\\').map(str::len);
+    let is_comment = |line: &str| parts(line).0 == "#";
     let mut lines = text.lines().enumerate();
     std::iter::from_fn(move || {
         let (index, line) = lines.next()?;
-        let Some(end) = begun(line) else {
+        let Some(end) = begun(line).filter(|_| !is_comment(line)) else {
             return Some((Cow::Borrowed(line), index + 1));
         };
         let mut joined = line[..end].to_owned();
@@ -29,13 +31,25 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = (Cow<'_, str>, usiz
 
 /// The keyword of a statement and what follows it; comments have `#`.
 pub(in crate::load) fn parts(statement: &str) -> (&str, &str) {
-    let statement = statement.trim();
+    // Files that were put together have a byte order mark in the middle.
+    let statement = statement.trim_start_matches(|c: char| c.is_whitespace() || c == '\u{FEFF}').trim_end();
     // Only at the start: names may contain '#'.
     if statement.starts_with('#') {
         return ("#", "");
     }
     let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
     (keyword, rest.trim())
+}
+
+/// The words of a statement with numbers, as far as a comment begins.
+pub(in crate::load) fn words(rest: &str) -> impl Iterator<Item = &str> {
+    rest.split('#').next().unwrap_or_default().split_whitespace()
+}
+
+/// A name as written, and without the quotes or the comment that some programs write.
+pub(in crate::load) fn spellings(name: &str) -> [&str; 2] {
+    let bare = name.split(" #").next().unwrap_or(name).trim_end();
+    [name, bare.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(bare)]
 }
 
 /// A number, or NaN in the spelling of any compiler, such as `1.#QNAN` and `nan(ind)`; `None` for other words.

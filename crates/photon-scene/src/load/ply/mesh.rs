@@ -9,7 +9,8 @@ use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, MaterialDesc};
 use crate::error::SceneError;
 use crate::load::budget::Budget;
-use crate::load::mtl::images_alone;
+use crate::load::group::NONE;
+use crate::load::mtl::{has_alpha, images_alone};
 use crate::load::polygon::crossing;
 use crate::load::{default_material, stem, white_material};
 use crate::mesh::VertexAttributes;
@@ -43,6 +44,14 @@ pub(super) fn add(
     let images = usable_images(&subject, header, &body, &mut report);
     let textures = images_alone(path, images, &subject, &mut builder, &mut report, budget)
         .map_err(|shortage| shortage.in_file(path))?;
+    if textures.iter().flatten().any(|&used| has_alpha(&builder, used)) {
+        report.left_out(&subject, "the alpha of its images; give it to the vertices if it is meant");
+    }
+    let beyond = body.textures.iter().filter(|&&image| image != NONE && image as usize >= images.len()).count();
+    if beyond > 0 && !images.is_empty() {
+        let text = format!("{beyond} of its faces have a number of an image (texnumber) that does not exist");
+        report.approximated(&subject, text);
+    }
     let materials = Materials { images, textures, has_colors, is_clear };
 
     let has_images = images.len() > 1;

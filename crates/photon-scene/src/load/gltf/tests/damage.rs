@@ -165,7 +165,7 @@ fn documents_must_be_gltf_2() {
             b"{\"asset\": {\"version\": \"2.0\"}, \"scenes\": [{}], \"nodes\": [{}, {\"mesh\": \"a\"}]}",
             &["number 1 of nodes", "string"],
         ),
-        (b"\xff\xfe{\x00", &["JSON"]),
+        (b"\xff\xfe{\x00", &["text in UTF-16", "save it as UTF-8"]),
         (b"glTF", &["GLB header", "12 bytes"]),
         (b"glTF\x01\0\0\0\x0c\0\0\0", &["version 1"]),
         (b"glTF\x02\0\0\0\x05\0\0\0", &["GLB chunk", "0 are left"]),

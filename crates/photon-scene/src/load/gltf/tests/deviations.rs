@@ -17,6 +17,22 @@ fn chunks_may_be_filled_up_with_zeros() {
     assert!(assemble(&glb(&junk, &[]), Path::new(".")).is_err());
 }
 
+/// Names in Latin-1 are read; text in UTF-16 and compressed files are named.
+#[test]
+fn other_encodings_are_read_or_named() {
+    let json = File::new().with("extras", r#""caf?""#).json();
+    let latin: Vec<u8> = json.bytes().map(|byte| if byte == b'?' { 0xE9 } else { byte }).collect();
+    let (_, report) = assemble(&latin, Path::new(".")).unwrap();
+    assert!(says(&report, "the file", "taken as Latin-1") && report.is_exact(), "{report}");
+    let wide: Vec<u8> = json.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for (bytes, name) in
+        [(&wide[..], "UTF-16"), (&[&b"\xFF\xFE"[..], &wide].concat(), "UTF-16"), (b"\x1F\x8B\x08", "gzip")]
+    {
+        let error = assemble(bytes, Path::new(".")).map(drop).unwrap_err().in_file(Path::new("a.gltf")).to_string();
+        assert!(error.contains("the file: is ") && error.contains(name), "{error}");
+    }
+}
+
 #[test]
 fn numbers_without_a_value_are_named_with_their_place() {
     for word in ["NaN", "nan", "Infinity", "-Infinity", "-inf", "inf", "-NaN"] {

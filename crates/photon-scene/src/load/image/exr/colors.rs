@@ -23,15 +23,15 @@ pub(super) struct Source<'a> {
     pub(super) alpha: Option<Text>,
     /// Whether the three are luminance and chroma.
     pub(super) is_chroma: bool,
+    /// Whether the file has other layers of colours, too.
+    pub(super) has_others: bool,
 }
 
 /// Finds the colours of a file: those of the picture itself; else those of its only layer with colours, or of the only one
 /// that is named `Combined`, as Blender names what it shows.
 pub(super) fn find(headers: &[Header]) -> Result<Source<'_>, ImageError> {
     let plain = [RGB, CHROMA, GREY].into_iter().flat_map(|names| headers.iter().map(move |header| (header, names)));
-    if let Some(source) = plain.filter_map(|(header, names)| Source::of(header, "", names)).next() {
-        return source.checked();
-    }
+    let plain = plain.filter_map(|(header, names)| Source::of(header, "", names)).next();
     let mut layers: Vec<(String, Source<'_>)> = Vec::new();
     for header in headers {
         for channel in &header.channels.list {
@@ -42,13 +42,19 @@ pub(super) fn find(headers: &[Header]) -> Result<Source<'_>, ImageError> {
             }
         }
     }
+    if let Some(source) = plain {
+        let is_other = |header: &Header| !std::ptr::eq(header, source.header) && Source::of(header, "", RGB).is_some();
+        let has_others = !layers.is_empty() || headers.iter().any(is_other);
+        return Source { has_others, ..source }.checked();
+    }
+    let has_others = layers.len() > 1;
     let is_combined = |name: &str| name.rsplit('.').next().is_some_and(|last| last.eq_ignore_ascii_case("combined"));
     if layers.iter().filter(|(name, _)| is_combined(name)).count() == 1 {
         layers.retain(|(name, _)| is_combined(name));
     }
     match layers.len() {
         0 => Err(ImageError::new("is an OpenEXR file without the channels R, G and B, or Y")),
-        1 => layers.swap_remove(0).1.checked(),
+        1 => Source { has_others, ..layers.swap_remove(0).1 }.checked(),
         _ => {
             let names: Vec<&str> = layers.iter().map(|(name, _)| name.as_str()).collect();
             let names = names.join(", ");
@@ -71,11 +77,16 @@ impl<'a> Source<'a> {
                 .cloned()
         };
         let found = names.iter().map(|name| channel(name)).collect::<Option<Vec<Text>>>()?;
-        Some(Self { header, names: found, alpha: channel("A"), is_chroma: names == CHROMA })
+        Some(Self { header, names: found, alpha: channel("A"), is_chroma: names == CHROMA, has_others: false })
     }
 
-    /// Refuses channels of fewer samples than texels, which the decoder does not support.
+    /// Refuses what would be taken for grey, and channels of fewer samples than texels, which the decoder does not support.
     fn checked(self) -> Result<Self, ImageError> {
+        let has =
+            |wanted: &str| self.header.channels.list.iter().any(|channel| channel.name.eq_case_insensitive(wanted));
+        if self.names.len() == 1 && has("X") && has("Z") {
+            return Err(ImageError::new("is an OpenEXR file of CIE X, Y and Z; save it with R, G and B"));
+        }
         let coarse = |channel: &&exr::meta::attribute::ChannelDescription| channel.sampling.area() != 1;
         let names: Vec<String> =
             self.header.channels.list.iter().filter(coarse).map(|channel| channel.name.to_string()).collect();
@@ -103,6 +114,13 @@ pub(super) fn from_chroma(texels: &mut [[f32; 4]], primaries: Option<Chromaticit
     }
 }
 
+/// What is approximated in a picture with these primaries.
+pub(super) fn remark(primaries: Option<Chromaticities>) -> Option<String> {
+    let primaries = primaries?;
+    let pairs = [primaries.red, primaries.green, primaries.blue, primaries.white].map(|at| [at.x(), at.y()]);
+    super::super::primaries_remark(pairs.as_flattened())
+}
+
 /// Luminances of primaries whose sum is their white, of luminance 1; `None` for primaries that have none.
 fn luminances(Chromaticities { red, green, blue, white }: Chromaticities) -> Option<[f64; 3]> {
     let xyz = |at: exr::math::Vec2<f32>| {
@@ -121,7 +139,7 @@ mod tests {
     use super::*;
     use exr::math::Vec2;
 
-    /// Rec. 709 by its definition.
+    /// Rec. 709 by its definition, and two primaries of ACEScg.
     #[test]
     fn luminances_follow_from_primaries() {
         let rec_709 = Chromaticities {
@@ -130,6 +148,9 @@ mod tests {
             blue: Vec2(0.15, 0.06),
             white: Vec2(0.3127, 0.3290),
         };
+        assert_eq!([remark(None), remark(Some(rec_709))], [None, None]);
+        let other = remark(Some(Chromaticities { red: Vec2(0.713, 0.293), green: Vec2(0.165, 0.83), ..rec_709 }));
+        assert!(other.is_some_and(|text| text.contains("primaries of its own, [0.713, 0.293, 0.165, 0.83,")));
         let found = luminances(rec_709).unwrap();
         assert!(found.iter().zip(REC_709).all(|(found, known)| (found - known).abs() < 1e-4), "{found:?}");
         assert_eq!(luminances(Chromaticities { green: rec_709.red, ..rec_709 }), None);

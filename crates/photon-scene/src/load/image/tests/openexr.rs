@@ -60,6 +60,13 @@ fn channels_have_names_in_any_case_and_of_one_layer() {
     let combined = [("View.Combined.R", r), ("View.Combined.G", g), ("View.Combined.B", b)];
     assert_eq!(floats(&exr(&[&others[..], &combined].concat())), [[1.0, 2.0, 3.0, 1.0]]);
     assert_eq!(floats(&exr(&[&others[..], &all(["r", "g", "b", "a"])].concat())), [[1.0, 2.0, 3.0, 0.5]]);
+    let remarks = |layers: [&[(&'static str, &[f32])]; 2]| Image::decode(&exr(&layers.concat())).unwrap().remarks;
+    let plain = all(["R", "G", "B", "A"]);
+    assert!(remarks([&combined, &[]]).is_empty() && remarks([&plain, &[("depth.Z", a)]]).is_empty());
+    for layers in [[&others[..], &combined[..]], [&others[..], &plain[..]]] {
+        assert_eq!(remarks(layers), ["has other layers of colours, which are left out"]);
+    }
+    assert!(refused(&exr(&[("X", r), ("Y", g), ("Z", b)])).contains("CIE X, Y and Z"));
     let two = others.map(|(name, values)| (name.replace("DiffCol", "Glossy"), values));
     let two: Vec<(&str, &[f32])> = two.iter().map(|(name, values)| (name.as_str(), *values)).collect();
     let why = refused(&exr(&[&others[..], &two].concat()));

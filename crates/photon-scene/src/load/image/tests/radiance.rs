@@ -82,6 +82,14 @@ fn exposures_are_undone_and_other_formats_refused() {
     let texel = [128, 64, 32, 129];
     let corrected = [with("COLORCORR= 2 1 0.5\nEXPOSURE=2\nCOLORCORR=1 4 1").as_bytes(), &texel].concat();
     assert_eq!(Image::decode(&corrected).unwrap().linear_rgb(), [[0.25, 0.0625, 0.25]]);
+    for (primaries, is_said) in [
+        ("0.64 0.33 0.29 0.6 0.15 0.06 0.333 0.333", false),
+        ("0.7 0.29 0.17 0.79 0.13 0.04 0.3127 0.329", true),
+        ("0.64", true),
+    ] {
+        let image = Image::decode(&bytes(&format!("PRIMARIES= {primaries}"))).unwrap();
+        assert_eq!(!image.remarks.is_empty(), is_said, "{primaries}: {:?}", image.remarks);
+    }
     // Names in the encodings of old systems.
     let latin = [&b"#?RADIANCE\nVIEW= caf\xe9\n\n-Y 1 +X 1\n"[..], &body].concat();
     assert_eq!(red(&latin), [1.0]);

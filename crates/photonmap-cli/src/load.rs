@@ -16,7 +16,8 @@ pub type Limit<'a> = Option<&'a dyn Fn() -> u64>;
 /// Loads and builds a scene, and prints the loader's report and the scene's warnings to standard error.
 ///
 /// # Errors
-/// As [`builder`]; the errors of [`SceneBuilder::build`]; with `--strict` anything that the loader approximates.
+/// As [`builder`]; the errors of [`SceneBuilder::build`]; with `--strict` anything that the loader approximates, and warnings of
+/// the scene.
 pub fn scene(args: &SceneArgs) -> Result<(Scene, LoadReport), Fault> {
     scene_within(args, None)
 }
@@ -38,6 +39,9 @@ pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadRe
     let scene = builder.build().map_err(|error| Fault::input(format!("{}: {error}", args.scene)))?;
     summary::say("warning: ", scene.warnings());
     print(&report, args.strict)?;
+    if args.strict && !scene.warnings().is_empty() {
+        return Err(Fault::input("--strict: the warnings above say what is assumed, replaced or left out"));
+    }
     Ok((scene, report))
 }
 

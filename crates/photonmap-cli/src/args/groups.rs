@@ -37,7 +37,7 @@ pub struct SceneArgs {
     /// Light from infinitely far away.
     #[command(flatten)]
     pub environment: EnvironmentArgs,
-    /// Treat everything that the loader approximates or leaves out as an error.
+    /// Treat everything that is approximated, assumed or left out as an error.
     #[arg(long, hide_short_help = true)]
     pub strict: bool,
 }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use photonmap_cli::exposure::Exposure;
 use photonmap_cli::tonemap::{self, ToneMap};
 
-use crate::support::{SMALL, channels, folder, photonmap, render, stderr, succeeded};
+use crate::support::{SMALL, channels, folder, photonmap, refused, render, stderr, succeeded};
 
 #[test]
 fn layers_of_the_exr_sum_to_the_picture_and_the_report_balances() {
@@ -146,6 +146,12 @@ fn strict_refuses_what_is_approximated() {
     let output = render(&[path.to_str().unwrap(), "--strict"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("--strict"), "{output:?}");
+    // What is dropped when the scene is prepared, too.
+    let path = folder.join("b.ply");
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 0 1\n";
+    std::fs::write(&path, text).unwrap();
+    refused(&render(&[path.to_str().unwrap(), "--strict"]), "the warnings above");
 }
 
 /// A memory limit below what the requested photons would take.

@@ -80,7 +80,8 @@ impl Entry {
     pub(super) fn add(&mut self, keyword: &str, rest: &str, line: usize) {
         let known = KEYWORDS.iter().find(|known| known.eq_ignore_ascii_case(keyword)).copied();
         let earlier = known.and_then(|known| self.given.iter_mut().find(|(given, _)| *given == known));
-        let is_changed = earlier.as_ref().is_some_and(|(_, given)| given != rest);
+        let is_changed =
+            earlier.as_ref().is_some_and(|(_, given)| !given.split_whitespace().eq(rest.split_whitespace()));
         match (earlier, known) {
             (Some((_, given)), _) => rest.clone_into(given),
             (None, Some(known)) => self.given.push((known, rest.to_owned())),

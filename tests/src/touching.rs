@@ -72,22 +72,22 @@ impl Part {
 
 /// Light on a scene.
 #[derive(Clone, Copy)]
-enum From {
+enum Light {
     /// Straight down, of irradiance π.
     Above,
     /// From everywhere, of radiance 1.
     Everywhere,
 }
 
-fn scene(parts: &[Part], from: From, camera_height: f64, place: &Place) -> Scene {
+fn scene(parts: &[Part], light: Light, camera_height: f64, place: &Place) -> Scene {
     let mut builder = SceneBuilder::new();
     parts.iter().for_each(|part| part.add(&mut builder, place));
-    match from {
-        From::Above => {
+    match light {
+        Light::Above => {
             let (direction, irradiance) = (place.direction([0.0, -1.0, 0.0]), [std::f64::consts::PI; 3]);
             builder.light("sun", LightDesc::Directional { direction, irradiance });
         }
-        From::Everywhere => builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap()),
+        Light::Everywhere => builder.environment(EnvironmentMap::constant([1.0; 3]).unwrap()),
     }
     let (from, down, up) =
         (place.point([0.0, camera_height, 0.0]), place.direction([0.0, -1.0, 0.0]), place.direction([0.0, 0.0, 1.0]));
@@ -114,7 +114,7 @@ fn passes(layers: &[(f64, f64)]) -> f64 {
 /// Means of the passes, on a backend that is given back for the next scene.
 fn render<T: TestBackend>(on: T::On, scene: &Scene, radius: f64) -> (T::On, Vec<f64>) {
     let estimator = Estimator::Radius { radius: Some(radius) };
-    let settings = Settings { photons: 20_000, alpha: 1.0, estimator, seed: 11, ..Settings::default() };
+    let settings = Settings { photons: 8000, alpha: 1.0, estimator, seed: 11, ..Settings::default() };
     let view = View { camera: scene.camera(None, SIZE, SIZE).unwrap(), width: SIZE, height: SIZE };
     let mut renderer = Pipeline::new(on, &scene.view(), view, settings).unwrap();
     let mut before = 0.0;
@@ -131,7 +131,7 @@ fn render<T: TestBackend>(on: T::On, scene: &Scene, radius: f64) -> (T::On, Vec<
 
 /// The radiance of `parts` is `truth` in both orders of the meshes, and turned and scaled. The standard error is that of the
 /// means of independent passes; `bound` is relative.
-fn check<T: TestBackend>(what: &str, parts: &[Part], (from, height): (From, f64), truth: f64, bound: f64) {
+fn check<T: TestBackend>(what: &str, parts: &[Part], (light, height): (Light, f64), truth: f64, bound: f64) {
     let turn = DMat3::from_axis_angle(DVec3::new(0.3, -0.7, 0.5).normalize_or_zero(), 0.3);
     let mut on = Some(T::make(2));
     for (turn, scale, is_reversed) in
@@ -142,7 +142,7 @@ fn check<T: TestBackend>(what: &str, parts: &[Part], (from, height): (From, f64)
             parts.reverse();
         }
         let place = Place { turn, scale };
-        let scene = scene(&parts, from, height, &place);
+        let scene = scene(&parts, light, height, &place);
         let (back, values) = render::<T>(on.take().unwrap(), &scene, 0.25 * scale);
         on = Some(back);
         let what = format!("{what}, scale {scale}, reversed {is_reversed}: {:?}", scene.warnings());
@@ -152,28 +152,28 @@ fn check<T: TestBackend>(what: &str, parts: &[Part], (from, height): (From, f64)
 
 /// A block of glass on a floor, with a film of air between: the sun passes twice, L = ρ T² E/π.
 pub fn glass_on_a_floor<T: TestBackend>() {
-    let block = Part::Layer(3.0, [0.0, 1.0], 1.5, 0.0);
+    let block = Part::Layer(1.0, [0.0, 1.0], 1.5, 0.0);
     let truth = DARK * passes(&[(1.5, 0.0)]).powi(2);
     assert!((truth / DARK - 0.852).abs() < 1e-3);
-    check::<T>("sun", &[Part::Floor(4.0, DARK), block], (From::Above, 5.0), truth, 1e-3);
+    check::<T>("sun", &[Part::Floor(1.25, DARK), block], (Light::Above, 5.0), truth, 1e-3);
     // All that is seen of a furnace has its radiance, whatever touches.
-    check::<T>("furnace", &[Part::Floor(4.0, 1.0), block], (From::Everywhere, 5.0), 1.0, 1e-4);
+    check::<T>("furnace", &[Part::Floor(1.25, 1.0), block], (Light::Everywhere, 5.0), 1.0, 1e-4);
 }
 
 /// Layers in optical contact between a sun and a floor, seen from below: L = ρ T E/π.
 pub fn layers_in_contact<T: TestBackend>() {
-    let floor = Part::Floor(4.0, DARK);
-    let liquid = Part::Layer(4.0, [2.0, 3.0], 1.33, 2.0);
-    let slab = Part::Layer(4.0, [1.0, 2.0], 1.5, 0.0);
+    let floor = Part::Floor(1.25, DARK);
+    let liquid = Part::Layer(1.25, [2.0, 3.0], 1.33, 2.0);
+    let slab = Part::Layer(1.25, [1.0, 2.0], 1.5, 0.0);
     let truth = passes(&[(1.33, 2.0), (1.5, 0.0)]);
     assert!((truth - 0.127).abs() < 1e-3);
-    check::<T>("liquid on glass", &[floor, liquid, slab], (From::Above, 0.4), DARK * truth, 1e-3);
-    let [upper, lower] = [[1.5, 2.0], [1.0, 1.5]].map(|span| Part::Layer(4.0, span, 1.5, 1.0));
+    check::<T>("liquid on glass", &[floor, liquid, slab], (Light::Above, 0.4), DARK * truth, 1e-3);
+    let [upper, lower] = [[1.5, 2.0], [1.0, 1.5]].map(|span| Part::Layer(1.25, span, 1.5, 1.0));
     let truth = passes(&[(1.5, 1.0)]);
     assert!((truth - 0.3396).abs() < 1e-3);
-    check::<T>("equal slabs", &[floor, upper, lower], (From::Above, 0.4), DARK * truth, 1e-3);
-    let divided = Part::Divided(4.0, [1.0, 2.0], 1.5, 1.0);
-    check::<T>("a face within", &[floor, divided], (From::Above, 0.4), DARK * truth, 1e-3);
+    check::<T>("equal slabs", &[floor, upper, lower], (Light::Above, 0.4), DARK * truth, 1e-3);
+    let divided = Part::Divided(1.25, [1.0, 2.0], 1.5, 1.0);
+    check::<T>("a face within", &[floor, divided], (Light::Above, 0.4), DARK * truth, 1e-3);
 }
 
 /// Ten clear layers of two indices in contact, and ten with gaps, in even light: radiance is 1 everywhere. No photons are
@@ -182,9 +182,9 @@ pub fn clear_layers_in_even_light<T: TestBackend>() {
     for gap in [0.0, 0.05] {
         let layer = |i: u32| {
             let low = 0.2 * f64::from(i);
-            Part::Layer(3.0, [low, low + 0.2 - gap], if i.is_multiple_of(2) { 1.5 } else { 1.33 }, 0.0)
+            Part::Layer(1.0, [low, low + 0.2 - gap], if i.is_multiple_of(2) { 1.5 } else { 1.33 }, 0.0)
         };
         let layers: Vec<Part> = (0..10).map(layer).collect();
-        check::<T>(&format!("gaps of {gap}"), &layers, (From::Everywhere, 5.0), 1.0, 1e-5);
+        check::<T>(&format!("gaps of {gap}"), &layers, (Light::Everywhere, 5.0), 1.0, 1e-5);
     }
 }

@@ -43,13 +43,13 @@ pub(crate) fn separate(source: Source<'_>, geometry: &mut Geometry, warnings: &m
         return;
     }
     let owners: Vec<u32> = parallel::collect(candidates.len(), |i| geometry.mesh_of(candidates[i]) as u32);
-    let (mut contacts, is_partial) = pairs::find(geometry, &candidates, |a, b| source.may_touch(owners[a], owners[b]));
-    let mut told = Told { is_partial, ..Told::default() };
     // Of one medium, entering twice is the same in any order.
-    contacts.retain(|contact| {
-        let [a, b] = contact.triangles.map(|triangle| geometry.mesh_of(triangle));
-        a != b || !contact.is_parallel
-    });
+    let wanted = |[a, b]: [usize; 2], is_parallel: bool| {
+        let [a, b] = [owners[a], owners[b]];
+        (a != b || !is_parallel) && source.may_touch(a, b)
+    };
+    let (mut contacts, is_partial) = pairs::find(geometry, &candidates, wanted);
+    let mut told = Told { is_partial, ..Told::default() };
     if contacts.is_empty() {
         told.warn(warnings);
         return;

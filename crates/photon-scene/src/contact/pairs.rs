@@ -28,12 +28,12 @@ pub(super) struct Contact {
     pub(super) area: f64,
 }
 
-/// The contacts among `candidates`, of pairs that are `wanted`, by their indices in the scene; and whether so many boxes
-/// overlap that the search was given up.
+/// The contacts among `candidates`, of pairs that are `wanted`, which gets their places there and whether they face the same
+/// way; and whether so many boxes overlap that the search was given up.
 pub(super) fn find(
     geometry: &Geometry,
     candidates: &[u32],
-    wanted: impl Fn(usize, usize) -> bool + Sync,
+    wanted: impl Fn([usize; 2], bool) -> bool + Sync,
 ) -> (Vec<Contact>, bool) {
     let own: Vec<[u32; 3]> = candidates.iter().map(|&triangle| geometry.triangles[triangle as usize]).collect();
     // Its boxes are padded by at least a step, hence overlap within `REACH`.
@@ -57,10 +57,9 @@ pub(super) fn find(
                 for &a in ids(&tree, leaf) {
                     for &b in ids(&tree, node).iter().filter(|&&b| a < b) {
                         tests += 1;
-                        let [s, t] = [a, b].map(|id| candidates[id as usize]);
-                        if wanted(a as usize, b as usize) {
-                            found.extend(contact(geometry, s, t));
-                        }
+                        let both = [a as usize, b as usize];
+                        let triangles = both.map(|id| candidates[id]);
+                        found.extend(contact(geometry, triangles, |is_parallel| wanted(both, is_parallel)));
                     }
                 }
             }
@@ -83,10 +82,11 @@ fn meet(a: &Binary, b: &Binary) -> bool {
     (0..3).all(|axis| a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis])
 }
 
-fn contact(geometry: &Geometry, s: u32, t: u32) -> Option<Contact> {
+fn contact(geometry: &Geometry, [s, t]: [u32; 2], wanted: impl Fn(bool) -> bool) -> Option<Contact> {
     let normals = [s, t].map(|id| Vec3::from_array(geometry.primitives[id as usize].0));
     let cosine = normals[0].dot(normals[1]);
-    if cosine.abs() < 0.9 {
+    // Before the overlap, which takes most of the time: neighbours in a smooth mesh end here.
+    if cosine.abs() < 0.9 || !wanted(cosine > 0.0) {
         return None;
     }
     let overlap = Overlap::of(corners(geometry, s), corners(geometry, t))?;

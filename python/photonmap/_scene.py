@@ -27,7 +27,7 @@ class Scene:
         self._calls: list[tuple[str, tuple[Any, ...]]] = []
         self._built: RawScene | None = None
         self._digest: str | None = None
-        self._is_told = False
+        self._has_warned = False
 
     @classmethod
     def builtin(cls, name: str) -> Scene:
@@ -253,7 +253,7 @@ class Scene:
     def _call(self, method: str, *args: Any) -> Scene:
         self._calls.append((method, args))
         self._built = self._digest = None
-        self._is_told = False
+        self._has_warned = False
         return self
 
     def _raw(self) -> RawScene:
@@ -279,9 +279,9 @@ class Scene:
                 )
             self._built = built
             # Workers do not repeat it.
-            if not self._is_told:
-                self._is_told = True
-                for line in built.told():
+            if not self._has_warned:
+                self._has_warned = True
+                for line in built.user_warnings():
                     warn(f"{self.name}: {line}", SceneWarning)
         return self._built
 
@@ -295,8 +295,8 @@ class Scene:
         # Arrays are part of the pickle, files are not: their contents must be the same.
         reads_files = self._source is not None or any(call in ("overrides", "environment_file") for call, _ in self._calls)
         digest = self.digest if reads_files else None
-        told = self._is_told
-        return {"_source": self._source, "_calls": self._calls, "_built": None, "_digest": digest, "_is_told": told}
+        has_warned = self._has_warned
+        return {"_source": self._source, "_calls": self._calls, "_built": None, "_digest": digest, "_has_warned": has_warned}
 
     def __repr__(self) -> str:
         source = f"{self.name}, " if self._source else ""

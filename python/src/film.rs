@@ -104,7 +104,7 @@ impl RawFilm {
         self.info.makers.iter().map(|maker| maker.backend.clone()).collect()
     }
 
-    /// What the photons did: number of passes that were counted, paths that were not aimed, aimed ones, photons stored in maps,
+    /// Fates of the paths: number of passes that were counted, paths that were not aimed, aimed ones, photons stored in maps,
     /// truncated camera paths.
     #[expect(clippy::type_complexity, reason = "taken apart by one method")]
     fn counts(&self) -> (u32, Vec<(&'static str, u64)>, Vec<(&'static str, u64)>, Vec<(&'static str, u64)>, u64) {

@@ -329,13 +329,13 @@ impl RawScene {
         self.warnings.clone()
     }
 
-    /// What the loader could not represent, and notes.
+    /// The lines of the loader's report.
     fn report(&self) -> Vec<String> {
         self.report.lines.iter().map(ToString::to_string).collect()
     }
 
-    /// What the user is warned of: all but the notes of the loader, and of many warnings of a kind the first.
-    fn told(&self) -> Vec<String> {
+    /// Lines of which the user is warned: all but the notes of the loader, and of many warnings of a kind the first.
+    fn user_warnings(&self) -> Vec<String> {
         let lost = self.report.lines.iter().filter(|line| line.kind != ReportKind::Note).map(ToString::to_string);
         summed_up(&lost.chain(self.warnings.iter().cloned()).collect::<Vec<_>>())
     }

@@ -41,7 +41,7 @@ enum Part {
     Floor(f64, f64),
     /// A layer of a solid: half side, bottom and top, index and absorption.
     Layer(f64, [f64; 2], f64, f64),
-    /// The same with a face of both sides in the middle, in its mesh.
+    /// A layer with a face of both sides in the middle, in its mesh.
     Divided(f64, [f64; 2], f64, f64),
 }
 

@@ -27,7 +27,7 @@ pub struct VulkanScene {
     record: Memory,
     /// The tables that `record` points to.
     _tables: Vec<Memory>,
-    /// What kernels are specialized to.
+    /// Facts that kernels are specialized to.
     pub(crate) kind: SceneKind,
     /// Address and number of the portals.
     portals: (u64, u32),

@@ -7,7 +7,7 @@ use bytemuck::Zeroable;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("out of memory: {bytes} bytes for {label}")]
 pub struct OutOfMemory {
-    /// What the memory was for.
+    /// Purpose of the memory.
     pub label: &'static str,
     /// Its size, bytes.
     pub bytes: u64,

@@ -25,7 +25,7 @@ use crate::normalise::Geometry;
 use pairs::{Contact, Overlap, corners};
 use planes::Touching;
 use shift::Raised;
-use warnings::Told;
+use warnings::Findings;
 
 /// The scene that is separated.
 #[derive(Clone, Copy)]
@@ -49,9 +49,9 @@ pub(crate) fn separate(source: Source<'_>, geometry: &mut Geometry, warnings: &m
         (a != b || !is_parallel) && source.may_touch(a, b)
     };
     let (mut contacts, is_partial) = pairs::find(geometry, &candidates, wanted);
-    let mut told = Told { is_partial, ..Told::default() };
+    let mut findings = Findings { is_partial, ..Findings::default() };
     if contacts.is_empty() {
-        told.warn(warnings);
+        findings.warn(warnings);
         return;
     }
     let inner = inner::find(&source, geometry, &contacts);
@@ -62,15 +62,21 @@ pub(crate) fn separate(source: Source<'_>, geometry: &mut Geometry, warnings: &m
             !contact.triangles.contains(&u32::MAX)
         });
     }
-    told.inner = inner.len();
-    let raised = Touching::new(&source, geometry, &contacts).raised(&contacts, &mut told);
+    findings.inner = inner.len();
+    let raised = Touching::new(&source, geometry, &contacts).raised(&contacts, &mut findings);
     shift::apply(geometry, source.materials, &raised);
-    note_failures(&source, geometry, &contacts, &raised, &mut told);
-    told.warn(warnings);
+    note_failures(&source, geometry, &contacts, &raised, &mut findings);
+    findings.warn(warnings);
 }
 
 /// Notes the pairs that did not come apart.
-fn note_failures(source: &Source<'_>, geometry: &Geometry, contacts: &[Contact], raised: &[Raised], told: &mut Told) {
+fn note_failures(
+    source: &Source<'_>,
+    geometry: &Geometry,
+    contacts: &[Contact],
+    raised: &[Raised],
+    findings: &mut Findings,
+) {
     let levels: HashMap<u32, Raised> = raised.iter().map(|of| (of.triangle, *of)).collect();
     for contact in contacts {
         let [a, b] = contact.triangles;
@@ -80,7 +86,7 @@ fn note_failures(source: &Source<'_>, geometry: &Geometry, contacts: &[Contact],
         let along = Vec3::from_array(geometry.primitives[a as usize].0).as_dvec3().dot(low.up).signum() * sign;
         let height = if along > 0.0 { overlap.heights.0 } else { -overlap.heights.1 };
         if height < 1.5 * f64::from(offset::STEP) {
-            told.failed.insert(source.pair(geometry, contact).1);
+            findings.failed.insert(source.pair(geometry, contact).1);
         }
     }
 }

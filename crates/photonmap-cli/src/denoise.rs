@@ -34,10 +34,10 @@ impl Denoiser {
         Self::load_from(None)
     }
 
-    /// As [`Self::load`], with the folder of an environment of Python whose packages are searched first.
+    /// Loads the library, first from the packages of an environment of Python, given by its folder.
     ///
     /// # Errors
-    /// As [`Self::load`].
+    /// Those of [`Self::load`].
     pub fn load_from(environment: Option<&Path>) -> Result<Self, Fault> {
         library::Oidn::load(environment).map(Self).map_err(|why| {
             Fault::input(format!(

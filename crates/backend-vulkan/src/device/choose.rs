@@ -34,7 +34,7 @@ pub fn devices() -> photon_core::Result<Vec<Candidate>> {
 /// The device that [`crate::Vulkan::new`] would open, without opening it.
 ///
 /// # Errors
-/// As [`crate::Vulkan::new`].
+/// Those of [`crate::Vulkan::new`].
 pub fn preferred() -> photon_core::Result<Candidate> {
     choose(devices()?, super::logical::from_environment().as_deref())
 }

@@ -15,7 +15,7 @@ pub(crate) const WITH_TABLES: Features = Features::SHADED
 /// Up to this many lights, each query weights the lights individually.
 const MAX_LIGHTS: u32 = light_sampler::MAX_LIGHTS as u32;
 
-/// What kernels for a scene are specialized to, known before the scene is on the device.
+/// Facts that kernels for a scene are specialized to, known before the scene is on the device.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SceneKind {
     /// Features that kernels must support.

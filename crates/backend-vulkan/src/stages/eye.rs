@@ -37,7 +37,7 @@ pub(crate) struct VulkanEye {
     scratch: Option<EyeScratch>,
 }
 
-/// Which camera paths are traced.
+/// Kind of camera paths.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EyePaths {
     hides_background: bool,

@@ -51,7 +51,7 @@ pub(crate) struct VulkanTracer {
     emitted: u64,
 }
 
-/// Which paths are traced, and how.
+/// Kind of photon paths.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PhotonPaths {
     scheduling: Scheduling,

@@ -1,4 +1,4 @@
-//! What the passes of a picture will ask of a backend.
+//! Needs of the passes of a picture.
 
 use crate::backend::stages::{EstimateParams, View};
 use crate::requirements::Requirements;
@@ -7,7 +7,7 @@ use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::settings::Settings;
 
-/// What the passes of a picture will ask of a backend, as far as that is known before the scene is prepared.
+/// Needs of the passes of a picture, as far as they are known before the scene is prepared.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Announcement<'a> {
@@ -17,7 +17,7 @@ pub struct Announcement<'a> {
     pub view: View,
     /// The settings.
     pub settings: &'a Settings,
-    /// What scene and settings need.
+    /// Needs of scene and settings.
     pub required: &'a Requirements,
     /// Whether paths are aimed; a guess until it is known where to.
     pub is_aimed: bool,

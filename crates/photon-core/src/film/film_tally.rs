@@ -1,4 +1,4 @@
-//! What the photons and camera paths of a film did, so that continued and merged renders report all of their passes.
+//! Fates of the photons and camera paths of a film, so that continued and merged renders report all of their passes.
 
 use crate::backend::observer::PassReport;
 use crate::backend::tally::Tally;

@@ -13,7 +13,7 @@ use crate::requirements::features::Features;
 use crate::scene::SceneView;
 use crate::settings::Settings;
 
-/// What photons of the maps are weighted by, beside the settings.
+/// Facts of the scene that decide about factors on the power of photons, beside the settings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights {
     /// Whether surfaces of the scene have shading normals.

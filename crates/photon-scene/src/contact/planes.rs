@@ -8,7 +8,7 @@ use super::Source;
 use super::order::{self, Levels, Patch};
 use super::pairs::{Contact, corners};
 use super::shift::Raised;
-use super::warnings::{Kind, Told};
+use super::warnings::{Findings, Kind};
 use crate::normalise::Geometry;
 
 /// A plane, a mesh, and whether its triangles face as the first one of the plane.
@@ -65,7 +65,7 @@ impl<'a> Touching<'a> {
     }
 
     /// The triangles with their levels; those without an order are left out, and noted.
-    pub(super) fn raised(&self, contacts: &[Contact], told: &mut Told) -> Vec<Raised> {
+    pub(super) fn raised(&self, contacts: &[Contact], findings: &mut Findings) -> Vec<Raised> {
         // Each pair of patches once: their plane, they, and one of their contacts.
         let mut pairs: Vec<(usize, [usize; 2], usize)> = contacts
             .iter()
@@ -86,7 +86,7 @@ impl<'a> Touching<'a> {
             let of_own: Vec<[usize; 2]> = same.iter().map(|pair| pair.1.map(|patch| patch - first)).collect();
             let found = order::levels(&own, &of_own);
             for (_, _, contact) in same {
-                self.note(&contacts[*contact], found.as_ref(), told);
+                self.note(&contacts[*contact], found.as_ref(), findings);
             }
             if let Some(found) = found {
                 for (place, level) in levels[first..end].iter_mut().zip(found.levels) {
@@ -103,10 +103,10 @@ impl<'a> Touching<'a> {
     }
 
     /// Notes the assumption where two patches touch; `found` are the levels in their plane.
-    fn note(&self, contact: &Contact, found: Option<&Levels>, told: &mut Told) {
+    fn note(&self, contact: &Contact, found: Option<&Levels>, findings: &mut Findings) {
         let (kind, names) = self.source.pair(self.geometry, contact);
         let Some(found) = found else {
-            told.failed.insert(names);
+            findings.failed.insert(names);
             return;
         };
         let kind = if kind == Kind::Film && found.is_wet { Kind::Optical } else { kind };
@@ -118,7 +118,7 @@ impl<'a> Touching<'a> {
             Kind::Sheets => contact.is_parallel,
         };
         if decides {
-            told.pairs.entry(kind).or_default().insert(names);
+            findings.pairs.entry(kind).or_default().insert(names);
         }
     }
 }

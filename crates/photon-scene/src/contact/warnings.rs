@@ -20,9 +20,9 @@ pub(super) enum Kind {
     Sheets,
 }
 
-/// Subjects of the warnings.
+/// Contacts, and faces that were removed, of which the user is warned.
 #[derive(Debug, Default)]
-pub(super) struct Told {
+pub(super) struct Findings {
     /// Whether the search for contacts was given up.
     pub(super) is_partial: bool,
     /// Number of faces within one medium.
@@ -33,7 +33,7 @@ pub(super) struct Told {
     pub(super) failed: BTreeSet<String>,
 }
 
-impl Told {
+impl Findings {
     /// Adds the warnings.
     pub(super) fn warn(self, warnings: &mut Vec<String>) {
         if self.is_partial {

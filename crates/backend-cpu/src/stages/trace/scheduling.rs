@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{BLOCK, TraceOutput, Walk};
 use crate::cpu::Cpu;
 
-/// What threads have traced, in the order of the paths.
+/// Photons and tallies of the threads, in the order of the paths.
 type Outputs = Result<Vec<TraceOutput>, OutOfMemory>;
 
 /// Label of the memory for these lists.

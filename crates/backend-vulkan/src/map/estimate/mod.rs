@@ -138,7 +138,7 @@ impl VulkanEstimator {
     }
 }
 
-/// What photons are weighted by; `albedos` is the address of the table for reflections.
+/// Factors on the power of photons; `albedos` is the address of the table for reflections.
 fn weighting(gather: &EstimateParams, albedos: u64) -> Weighting {
     match (gather.reflection, gather.sheen, gather.anisotropy) {
         (false, ..) => {

@@ -82,7 +82,7 @@ pub(super) struct Question {
     pub(super) filter: bool,
     /// Whether photons are rejected by their distance from the query's plane.
     pub(super) flat: bool,
-    /// What photons are weighted by.
+    /// Factors on the power of photons.
     pub(super) shading: Weighting,
     /// [`photon_core::EstimateParams::marked`].
     pub(super) marked: bool,

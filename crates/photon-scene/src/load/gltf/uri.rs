@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::fault::AGAIN;
 
-/// What follows `data:` in a URI that contains its data; schemes have letters of any case.
+/// The part after `data:` in a URI that contains its data; schemes have letters of any case.
 pub(super) fn data_of(uri: &str) -> Option<&str> {
     let (scheme, data) = uri.split_at_checked(5)?;
     scheme.eq_ignore_ascii_case("data:").then_some(data)

@@ -39,7 +39,7 @@ pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     Ok(Image { remarks, ..Image::of_floats(size, texels) })
 }
 
-/// What the lines before the resolution say.
+/// Contents of the lines before the resolution.
 struct Lines {
     /// Those by which red, green and blue were multiplied.
     factors: [f32; 3],

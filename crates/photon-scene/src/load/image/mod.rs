@@ -234,7 +234,7 @@ fn not_read(name: &str) -> ImageError {
     ImageError::new(format!("is {name}; only PNG, JPEG, WebP, OpenEXR and Radiance HDR are read"))
 }
 
-/// What is approximated in an image with these primaries and white, four pairs of x and y; `None` for those of Rec. 709, with
+/// The remark on an image with these primaries and white, four pairs of x and y; `None` for those of Rec. 709, with
 /// any of the whites that go with them.
 fn primaries_remark(primaries: &[f32]) -> Option<String> {
     const REC_709: [f32; 8] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];

@@ -73,7 +73,7 @@ impl Map {
         }
     }
 
-    /// The same with the spelling of its name that is a file in a folder, if one is.
+    /// Takes the spelling of its name that is a file in a folder, if one is.
     pub(super) fn in_folder(mut self, folder: &Path) -> Self {
         let is_file = |name: &str| !leaves_folder(name) && folder.join(name).is_file();
         let [written, other] = spellings(&self.file);

@@ -114,7 +114,7 @@ pub(super) fn from_chroma(texels: &mut [[f32; 4]], primaries: Option<Chromaticit
     }
 }
 
-/// What is approximated in a picture with these primaries.
+/// The remark on a picture with these primaries, if they are not those of Rec. 709.
 pub(super) fn remark(primaries: Option<Chromaticities>) -> Option<String> {
     let primaries = primaries?;
     let pairs = [primaries.red, primaries.green, primaries.blue, primaries.white].map(|at| [at.x(), at.y()]);

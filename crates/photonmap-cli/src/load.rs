@@ -35,8 +35,12 @@ pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadRe
              an override file (--overrides auto writes one to begin with)",
         );
     }
-    // Errors of reading name the file themselves.
-    let scene = builder.build().map_err(|error| Fault::input(format!("{}: {error}", args.scene)))?;
+    // Errors of reading name the file themselves; those of building may come from either file.
+    let files = match &args.overrides {
+        Some(overrides) => format!("{} with {}", args.scene, overrides.display()),
+        None => args.scene.clone(),
+    };
+    let scene = builder.build().map_err(|error| Fault::input(format!("{files}: {error}")))?;
     summary::say("warning: ", scene.warnings());
     print(&report, args.strict)?;
     if args.strict && !scene.warnings().is_empty() {

@@ -127,13 +127,14 @@ fn a_kill_leaves_no_half_picture() {
     }
 }
 
-/// What is found only when the scene is built names its file too.
+/// An error that is found only when the scene is built names both files that it may come from.
 #[test]
-fn an_invalid_material_is_named_with_its_file() {
+fn an_invalid_material_is_named_with_its_files() {
     let folder = folder("invalid-material");
-    std::fs::write(folder.join("a.mtl"), "newmtl glow\nKe -1 0 0\n").unwrap();
-    let scene = folder.join("a.obj");
-    std::fs::write(&scene, "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glow\nf 1 2 3\n").unwrap();
-    let output = render(&[scene.to_str().unwrap(), "-o", folder.join("a.png").to_str().unwrap()]);
-    refused(&output, &format!("{}: material 'glow': emission is", scene.display()));
+    let [scene, overrides] = ["a.obj", "a.toml"].map(|name| folder.join(name).display().to_string());
+    std::fs::write(&scene, "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glow\nf 1 2 3\n").unwrap();
+    std::fs::write(&overrides, "[materials.glow]\nemission = -1\n").unwrap();
+    let picture = folder.join("a.png").display().to_string();
+    let output = render(&[&scene, "--overrides", &overrides, "-o", &picture]);
+    refused(&output, &format!("{scene} with {overrides}: material 'glow': emission is"));
 }

@@ -88,8 +88,8 @@ pub struct RenderArgs {
     pub explain: bool,
 }
 
-/// Show what a scene requires with these settings, what is left out and why; with `--time`, `--preset` or `--target-error` also
-/// which settings are decided. No picture is made.
+/// Show what a scene requires with these settings, what is left out and why, and, unless passes or paths are given, which
+/// settings are decided. No picture is made.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "explain")]
 pub struct ExplainArgs {

@@ -8,7 +8,7 @@ use super::{BudgetArgs, SettingsArgs};
 
 impl SettingsArgs {
     /// Settings that are fixed by options, and `--time`, for [`Settings::for_time`]; `None` if nothing is left to the rule. Passes
-    /// or paths that are given mean these, and without `--time`, `--preset` and `--target-error` settings are fixed too.
+    /// or paths that are given mean these.
     #[must_use]
     pub fn open(&self) -> Option<(Option<f64>, Fixed)> {
         let BudgetArgs { preset, target_error, time, passes, total_photons, .. } = self.budget;
@@ -26,7 +26,7 @@ impl SettingsArgs {
             // Radii that pixels share are adapted to the target.
             (None, Some(_), time) => Some((time, Fixed { bandwidth: true, indirect: true, ..given })),
             (None, None, Some(_)) => Some((time, given)),
-            (Some(Preset::Balanced), None, None) => Some((None, Fixed { photons: true, ..given })),
+            (None | Some(Preset::Balanced), None, None) => Some((None, Fixed { photons: true, ..given })),
             (Some(Preset::Final), None, None) => Some((None, Fixed { photons: true, bandwidth: true, ..given })),
             _ => None,
         }

@@ -115,7 +115,7 @@ fn options_leave_the_others_to_the_rule() {
         (&["--preset", "final"], Some((None, Fixed { photons: true, bandwidth: true, ..none }))),
         (&["--target-error", "0.1"], Some((None, target))),
         (&["--target-error", "0.1", "--time", "5"], Some((Some(5.0), target))),
-        (&[], None),
+        (&[], Some((None, Fixed { photons: true, ..none }))),
         (&["--preset", "preview"], None),
         (&["--preset", "final", "--time", "5"], None),
     ] {

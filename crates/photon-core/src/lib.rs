@@ -69,7 +69,7 @@ pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radianc
 pub use scene::medium::Medium;
 pub use scene::portal::Portal;
 pub use scene::portal_shares::{PortalShares, portal_shares};
-pub use scene::solids::{Locator, Solids};
+pub use scene::solids::{Locator, Solids, crossing};
 pub use scene::texture::{
     Anisotropy, ClearcoatNormal, DiffuseTransmission, Filter, MaterialTextures, OwnedShadingTables,
     PartialTransmission, ShadingTables, SheenLayer, TexelFormat, Texture, TextureUse, Wrap,

@@ -206,8 +206,12 @@ impl SceneBuilder {
         let mut warnings = Vec::new();
         frame.warn(&mut warnings);
         solids::warn(&geometry, &self.materials, &mut warnings);
-        let touching =
-            contact::Source { meshes: &self.meshes, materials: &self.materials, is_shaded: source.is_shaded() };
+        let touching = contact::Source {
+            meshes: &self.meshes,
+            materials: &self.materials,
+            is_shaded: source.is_shaded(),
+            scale: frame.scale,
+        };
         contact::separate(touching, &mut geometry, &mut warnings);
         let radiances = shading::Radiances::new(source, &geometry);
         let lit = lights::table(

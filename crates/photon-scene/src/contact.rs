@@ -7,24 +7,25 @@
 //! Normals stay as they are, and all else does where nothing coincides.
 
 mod candidates;
+mod cells;
 mod inner;
 mod order;
 mod pairs;
 mod planes;
 mod shift;
+mod thin;
 mod warnings;
 
 use std::collections::HashMap;
 
-use glam::Vec3;
 use photon_core::{offset, parallel};
 
-use crate::describe::MaterialDesc;
+use crate::describe::{MaterialDesc, Surface};
 use crate::mesh::Mesh;
 use crate::normalise::Geometry;
-use pairs::{Contact, Overlap, corners};
+use pairs::{Contact, Overlap, REACH, corners};
 use planes::Touching;
-use shift::Raised;
+use shift::{GAP, Raised};
 use warnings::Findings;
 
 /// The scene that is separated.
@@ -34,39 +35,49 @@ pub(crate) struct Source<'a> {
     pub(crate) materials: &'a [MaterialDesc],
     /// Whether anything has textures or vertex attributes.
     pub(crate) is_shaded: bool,
+    /// User length of a normalised one.
+    pub(crate) scale: f64,
 }
+
+/// Maximum number of searches: each finds what more levels could reach.
+const SEARCHES: u32 = 4;
 
 /// Separates all triangles that coincide, and says so.
 pub(crate) fn separate(source: Source<'_>, geometry: &mut Geometry, warnings: &mut Vec<String>) {
-    let candidates = source.candidates(geometry);
-    if candidates.is_empty() {
+    let mut inner = 0;
+    // Two levels are enough for most scenes.
+    let mut reach = REACH + 2.0 * GAP;
+    for search in 1..=SEARCHES {
+        let (mut contacts, is_partial) = source.contacts(geometry, reach);
+        let mut findings = Findings { is_partial, ..Findings::default() };
+        if contacts.iter().all(|contact| contact.is_apart) {
+            findings.inner = inner;
+            findings.warn(source.scale, warnings);
+            return;
+        }
+        thin::mark(&source, geometry, &mut contacts);
+        let within = inner::find(&source, geometry, &contacts);
+        if !within.is_empty() {
+            let places = geometry.remove(&within);
+            contacts.retain_mut(|contact| {
+                contact.triangles = contact.triangles.map(|triangle| places[triangle as usize]);
+                !contact.triangles.contains(&u32::MAX)
+            });
+        }
+        inner += within.len();
+        findings.inner = inner;
+        let raised = Touching::new(&source, geometry, &contacts).raised(&contacts, &mut findings);
+        let most = raised.iter().map(|raised| raised.level.abs()).max().unwrap_or(0);
+        let reached = REACH + f64::from(most) * GAP;
+        if reached > reach && search < SEARCHES {
+            reach = reached;
+            continue;
+        }
+        shift::apply(geometry, source.materials, &raised);
+        note_failures(&source, geometry, &contacts, &raised, &mut findings);
+        findings.warn(source.scale, warnings);
         return;
     }
-    let owners: Vec<u32> = parallel::collect(candidates.len(), |i| geometry.mesh_of(candidates[i]) as u32);
-    // Of one medium, entering twice is the same in any order.
-    let wanted = |[a, b]: [usize; 2], is_parallel: bool| {
-        let [a, b] = [owners[a], owners[b]];
-        (a != b || !is_parallel) && source.may_touch(a, b)
-    };
-    let (mut contacts, is_partial) = pairs::find(geometry, &candidates, wanted);
-    let mut findings = Findings { is_partial, ..Findings::default() };
-    if contacts.is_empty() {
-        findings.warn(warnings);
-        return;
-    }
-    let inner = inner::find(&source, geometry, &contacts);
-    if !inner.is_empty() {
-        let places = geometry.remove(&inner);
-        contacts.retain_mut(|contact| {
-            contact.triangles = contact.triangles.map(|triangle| places[triangle as usize]);
-            !contact.triangles.contains(&u32::MAX)
-        });
-    }
-    findings.inner = inner.len();
-    let raised = Touching::new(&source, geometry, &contacts).raised(&contacts, &mut findings);
-    shift::apply(geometry, source.materials, &raised);
-    note_failures(&source, geometry, &contacts, &raised, &mut findings);
-    findings.warn(warnings);
 }
 
 /// Notes the pairs that did not come apart.
@@ -77,14 +88,15 @@ fn note_failures(
     raised: &[Raised],
     findings: &mut Findings,
 ) {
-    let levels: HashMap<u32, Raised> = raised.iter().map(|of| (of.triangle, *of)).collect();
+    let levels: HashMap<u32, i32> = raised.iter().map(|of| (of.triangle, of.level)).collect();
     for contact in contacts {
         let [a, b] = contact.triangles;
-        let (Some(low), Some(high)) = (levels.get(&a), levels.get(&b)) else { continue };
+        let (Some(&first), Some(&second)) = (levels.get(&a), levels.get(&b)) else { continue };
         let Some(overlap) = Overlap::of(corners(geometry, a), corners(geometry, b)) else { continue };
-        let sign = if low.level < high.level { 1.0 } else { -1.0 };
-        let along = Vec3::from_array(geometry.primitives[a as usize].0).as_dvec3().dot(low.up).signum() * sign;
-        let height = if along > 0.0 { overlap.heights.0 } else { -overlap.heights.1 };
+        // Along the normal of the first one.
+        let second = if contact.is_parallel { second } else { -second };
+        let is_above = if contact.is_apart { contact.height > 0.0 } else { first < second };
+        let height = if is_above { overlap.heights.0 } else { -overlap.heights.1 };
         if height < 1.5 * f64::from(offset::STEP) {
             findings.failed.insert(source.pair(geometry, contact).1);
         }
@@ -94,6 +106,33 @@ fn note_failures(
 impl Source<'_> {
     fn material(&self, mesh: usize) -> &MaterialDesc {
         &self.materials[self.meshes[mesh].material.0 as usize]
+    }
+
+    /// Medium of the solid that a mesh bounds: index, absorption and priority.
+    fn medium(&self, mesh: usize) -> Option<(f64, [f64; 3], u32)> {
+        let desc = self.material(mesh);
+        let of = |surface: &Surface| match *surface {
+            Surface::Dielectric { ior, absorption, .. } => Some((ior, absorption, desc.priority)),
+            _ => None,
+        };
+        of(&desc.surface).or_else(|| desc.transmitting_surface().as_ref().and_then(of))
+    }
+
+    /// The triangles that coincide, or nearly do, up to a distance of `reach`; and whether the search was given up.
+    fn contacts(&self, geometry: &Geometry, reach: f64) -> (Vec<Contact>, bool) {
+        let candidates = self.candidates(geometry, reach);
+        if candidates.is_empty() { (Vec::new(), false) } else { self.among(geometry, &candidates, reach) }
+    }
+
+    /// As [`Self::contacts`], among these triangles.
+    fn among(&self, geometry: &Geometry, candidates: &[u32], reach: f64) -> (Vec<Contact>, bool) {
+        let owners: Vec<u32> = parallel::collect(candidates.len(), |i| geometry.mesh_of(candidates[i]) as u32);
+        // Of one medium, entering twice is the same in any order.
+        let wanted = |[a, b]: [usize; 2], is_parallel: bool| {
+            let [a, b] = [owners[a], owners[b]];
+            (a != b || !is_parallel) && self.may_touch(a, b)
+        };
+        pairs::find(geometry, candidates, reach, wanted)
     }
 
     /// Whether it matters which of two triangles of these meshes a ray meets first.

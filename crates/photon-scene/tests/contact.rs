@@ -114,6 +114,50 @@ fn order_follows_from_geometry_and_media() {
     }
 }
 
+/// A plate that is thinner than what is resolved is shown thicker, on what it lies on; how thin it is, and the remedy, are
+/// said.
+#[test]
+fn thin_solids_are_shown_thicker_and_named() {
+    let floor = sheet("floor", 4.0, true);
+    let identity = |at: [f64; 3]| at;
+    for (thickness, is_thin) in [(0.0, true), (1e-9, true), (1e-7, true), (6e-6, true), (4e-5, false)] {
+        let plate = block("plate", glass(1.5, 0.0), [-3.0, 0.0, -3.0], [3.0, thickness, 3.0]);
+        for order in [[0, 1], [1, 0]] {
+            let scene = build(&[&floor, &plate], &order, &identity);
+            let mut faces = heights(&scene, "plate", &identity);
+            faces.sort_by(f64::total_cmp);
+            let ground = heights(&scene, "floor", &identity)[0];
+            let steps = thickness / 8.0 / f64::from(STEP);
+            assert!(faces.len() == 2 && faces[0] - ground >= 3.0, "{thickness}: {faces:?} over {ground}");
+            let found = faces[1] - faces[0];
+            let expected = if is_thin { steps + 4.0 } else { steps };
+            assert!((found - expected).abs() < 0.3, "{thickness}: {found} steps for {expected}");
+            let warnings = scene.warnings();
+            let says = |text: &str| warnings.iter().any(|line| line.contains(text));
+            assert_eq!(says("the solid 'plate'") && says("make it kind = thin"), is_thin, "{thickness}: {warnings:?}");
+            assert!(says("'plate' and 'floor' touch; a film of air"), "{thickness}: {warnings:?}");
+            // Its sides have no area then.
+            let flat = usize::from(thickness == 0.0);
+            assert!(warnings.len() == 1 + usize::from(is_thin) + flat, "{thickness}: {warnings:?}");
+        }
+    }
+    // Two parts of one solid that touch are none: they are said to.
+    let parts = |scene: &mut SceneBuilder, place: &dyn Fn([f64; 3]) -> [f64; 3]| {
+        let id = scene.material(glass(1.5, 0.0));
+        let (mut positions, mut triangles) = shapes::cuboid([-3.0, 0.0, -3.0], [3.0, 1.0, 3.0]);
+        let (others, more) = shapes::cuboid([-2.0, -1.0, -2.0], [2.0, -1e-6, 2.0]);
+        triangles.extend(more.iter().map(|corners| corners.map(|corner| corner + positions.len() as u32)));
+        positions.extend(others);
+        scene.mesh("parts", positions.into_iter().map(place).collect(), triangles, id);
+    };
+    let scene = build(&[&parts], &[0], &identity);
+    assert!(
+        scene.warnings().len() == 1 && scene.warnings()[0].starts_with("parts of 'parts' touch; optical"),
+        "{:?}",
+        scene.warnings()
+    );
+}
+
 #[test]
 fn nothing_moves_where_nothing_coincides() {
     let identity = |at: [f64; 3]| at;

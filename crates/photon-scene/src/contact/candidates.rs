@@ -1,54 +1,175 @@
-//! Search for triangles that may touch others, by boxes: most scenes have few.
+//! Search for triangles that may touch others, by grids: most scenes have few.
+
+use std::ops::Range;
 
 use glam::Vec3;
-use photon_core::{offset, parallel};
+use photon_core::parallel;
 
 use super::Source;
+use super::cells::{Frame, Run, facing};
+use crate::mesh::Mesh;
 use crate::normalise::Geometry;
 
-/// More meshes than this are not compared with each other before their triangles are.
+/// Maximum number of triangles of a run in the first round.
+const RUN: usize = 8;
+
+/// Maximum extent of a run of several triangles, in cells.
+const RUN_CELLS: f32 = 3.0;
+
+/// Maximum number of rounds, and the number of triangles that are not worth another one.
+const ROUNDS: u32 = 8;
 const FEW: usize = 512;
 
+/// Triangles that a thread takes at a time.
+const PART: usize = 1 << 14;
+
+/// Maximum number of materials that are compared with each other.
+const COMPARED: usize = 256;
+
 impl Source<'_> {
-    /// Triangles that may touch others: those of solids, and those near another mesh.
-    pub(super) fn candidates(&self, geometry: &Geometry) -> Vec<u32> {
-        let count = geometry.mesh_starts.len();
-        let is_solid = |mesh: usize| self.material(mesh).is_solid();
-        let margin = Vec3::splat(2.0 * offset::STEP);
-        let around = |corners: &[u32; 3]| {
-            let [a, b, c] = corners.map(|vertex| Vec3::from_array(geometry.positions[vertex as usize]));
-            (a.min(b).min(c) - margin, a.max(b).max(c) + margin)
-        };
-        let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
-        let meet = |a: (Vec3, Vec3), b: (Vec3, Vec3)| a.0.cmple(b.1).all() && b.0.cmple(a.1).all();
-        let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let boxes: Vec<(Vec3, Vec3)> = (0..count)
-            .map(|mesh| geometry.triangles[geometry.range(mesh)].iter().map(around).fold(empty, join))
+    /// Triangles that may touch others, up to a distance of `reach`, in ascending order. Each round keeps those that share a
+    /// cell of a grid with others that they may touch; the next grid is around these cells alone.
+    pub(super) fn candidates(&self, geometry: &Geometry, reach: f64) -> Vec<u32> {
+        let classes = self.classes();
+        let mut frame = Frame::new(Vec3::splat(-0.5), Vec3::splat(0.5), geometry.triangles.len(), reach as f32);
+        let parts: Vec<(usize, Range<usize>)> = (0..geometry.mesh_starts.len())
+            .flat_map(|mesh| {
+                let range = geometry.range(mesh);
+                let end = range.end;
+                range.step_by(PART).map(move |first| (mesh, first..end.min(first + PART)))
+            })
             .collect();
-        let of_mesh = |_, mesh: usize| {
-            let range = geometry.range(mesh);
-            if range.is_empty() {
-                return Vec::new();
+        let extent = RUN_CELLS * frame.cell();
+        let in_runs =
+            |_: usize, (mesh, part): (usize, Range<usize>)| runs(geometry, part, classes[mesh], (extent, reach as f32));
+        let mut runs = parallel::map(parallel::threads(), parts.into_iter(), in_runs).concat();
+        let mut count = geometry.triangles.len();
+        for round in 0..ROUNDS {
+            let (low, high) = frame.keep_crowded(geometry, &mut runs);
+            let before = std::mem::replace(&mut count, runs.iter().map(|run| run.triangles.len()).sum());
+            if count <= FEW || round > 0 && count > before / 2 {
+                break;
             }
-            if is_solid(mesh) || count > FEW {
-                return range.map(|triangle| triangle as u32).collect();
+            if round == 0 {
+                let single = |triangle| run(geometry, triangle, classes[geometry.mesh_of(triangle)], reach as f32);
+                runs = runs.into_iter().flat_map(|run| run.triangles.map(single)).collect();
             }
-            let mut near: Vec<(Vec3, Vec3)> = (0..count)
-                .filter(|&other| {
-                    other != mesh && meet(boxes[mesh], boxes[other]) && self.may_touch(mesh as u32, other as u32)
-                })
-                .map(|other| boxes[other])
-                .collect();
-            // Few boxes are compared with each triangle.
-            if near.len() > 16 {
-                near = vec![near.into_iter().fold(empty, join)];
+            frame = Frame::new(low, high, count, reach as f32);
+        }
+        runs.into_iter().flat_map(|run| run.triangles).collect()
+    }
+
+    /// The class of each mesh.
+    fn classes(&self) -> Vec<Class> {
+        let mut first_of: Vec<(usize, u32)> = Vec::new();
+        let class = |(index, mesh): (usize, &Mesh)| {
+            let material = mesh.material.0 as usize;
+            let is_solid = self.materials[material].is_solid();
+            if self.is_shaded || is_solid {
+                return Class { id: index as u32, is_solid };
             }
-            let is_near = |triangle: &usize| {
-                let own = around(&geometry.triangles[*triangle]);
-                near.iter().any(|&other| meet(own, other))
+            let is_alike = |&(other, _): &(usize, u32)| {
+                other == material || self.materials[other].is_alike(&self.materials[material])
             };
-            range.filter(is_near).map(|triangle| triangle as u32).collect()
+            let known = first_of.iter().find(|&first| is_alike(first)).map(|&(_, class)| class);
+            if known.is_none() && first_of.len() < COMPARED {
+                first_of.push((material, index as u32));
+            }
+            Class { id: known.unwrap_or(index as u32), is_solid }
         };
-        parallel::map(parallel::threads(), 0..count, of_mesh).concat()
+        self.meshes.iter().enumerate().map(class).collect()
+    }
+}
+
+/// Two triangles of one class do not touch, unless they are of a solid and face each other.
+#[derive(Clone, Copy)]
+struct Class {
+    id: u32,
+    is_solid: bool,
+}
+
+/// The triangles of a part of a mesh, in runs that are not larger than `extent`.
+fn runs(geometry: &Geometry, part: Range<usize>, class: Class, (extent, reach): (f32, f32)) -> Vec<Run> {
+    let mut runs: Vec<Run> = Vec::with_capacity(part.len() / 4);
+    for triangle in part {
+        let next = run(geometry, triangle as u32, class, reach);
+        let is_joined = runs.last_mut().is_some_and(|run| run.triangles.len() < RUN && run.joined(&next, extent));
+        if !is_joined {
+            runs.push(next);
+        }
+    }
+    runs
+}
+
+fn run(geometry: &Geometry, triangle: u32, class: Class, reach: f32) -> Run {
+    let corners = geometry.triangles[triangle as usize];
+    let [a, b, c] = corners.map(|at| Vec3::from_array(geometry.positions[at as usize]));
+    let margin = Vec3::splat(reach);
+    Run {
+        triangles: triangle..triangle + 1,
+        low: a.min(b).min(c) - margin,
+        high: a.max(b).max(c) + margin,
+        class: class.id,
+        faces: if class.is_solid { facing(geometry.primitives[triangle as usize].0) } else { 0 },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec3};
+
+    use super::*;
+    use crate::{MaterialDesc, SceneBuilder, normalise, shapes};
+
+    /// Balls and boxes of glass on a floor, one of them in two layers, a picture, and a ball apart.
+    fn scene() -> SceneBuilder {
+        let turn = DMat3::from_axis_angle(DVec3::new(0.3, -0.7, 0.5).normalize_or_zero(), 0.83);
+        let mut scene = SceneBuilder::new();
+        let [floor, picture, glass] = [
+            MaterialDesc::lambert("floor", [0.5; 3]),
+            MaterialDesc::lambert("picture", [0.4; 3]),
+            MaterialDesc::glass("glass", 1.5),
+        ]
+        .map(|desc| scene.material(desc));
+        let mut add = |name: &str, (positions, triangles): (Vec<[f64; 3]>, Vec<[u32; 3]>), material| {
+            let positions = positions.into_iter().map(|at| (turn * DVec3::from(at)).to_array()).collect();
+            scene.mesh(name, positions, triangles, material);
+        };
+        let square = |half: f64| {
+            let corners = vec![[-half, 0.0, half], [half, 0.0, half], [half, 0.0, -half], [-half, 0.0, -half]];
+            (corners, vec![[0, 1, 2], [0, 2, 3]])
+        };
+        add("floor", square(4.0), floor);
+        add("picture", square(0.3), picture);
+        add("box", shapes::cuboid([-1.0, 0.0, 1.0], [1.0, 1.0, 2.0]), glass);
+        let (positions, mut triangles) = shapes::icosphere(5, [2.0, 2.0, 0.0], 1.0);
+        // Its inner face, at the same place.
+        let inner: Vec<_> = triangles.iter().map(|&[a, b, c]| [a, c, b]).filter(|&[a, ..]| a < 40).collect();
+        triangles.extend(inner);
+        add("layers", (positions, triangles), glass);
+        add("ball", shapes::icosphere(5, [-2.0, 3.0, 0.0], 1.0), glass);
+        scene
+    }
+
+    #[test]
+    fn no_contact_is_missed() {
+        let SceneBuilder { meshes, materials, lights, .. } = scene();
+        let frame = normalise::Frame::new(&meshes, &lights).unwrap();
+        let geometry = normalise::geometry(&meshes, &materials, frame, false).unwrap();
+        let source = Source { meshes: &meshes, materials: &materials, is_shaded: false, scale: 1.0 };
+        let all: Vec<u32> = (0..geometry.triangles.len() as u32).collect();
+        for reach in [2e-6, 1e-5, 1e-4] {
+            let found = |among: &[u32]| -> Vec<[u32; 2]> {
+                source.among(&geometry, among, reach).0.iter().map(|contact| contact.triangles).collect()
+            };
+            let mut candidates = source.candidates(&geometry, reach);
+            let expected = found(&all);
+            assert_eq!(found(&candidates), expected, "{reach}");
+            let (few, many) = (candidates.len(), all.len());
+            assert!(expected.len() > 40 && 8 * few < many, "{reach}: {} in {few} of {many}", expected.len());
+            // The comparator tells that one is missing.
+            candidates.retain(|triangle| expected[0][0] != *triangle);
+            assert_ne!(found(&candidates), expected, "{reach}");
+        }
     }
 }

@@ -13,17 +13,14 @@ use crate::normalise::Geometry;
 pub(super) fn find(source: &Source<'_>, geometry: &Geometry, contacts: &[Contact]) -> BTreeSet<u32> {
     let medium = |triangle: u32| {
         let desc = source.material(geometry.mesh_of(triangle));
-        match desc.surface {
-            Surface::Dielectric { ior, absorption, .. } if !desc.is_emissive() => {
-                Some((ior, absorption, desc.priority))
-            }
-            _ => None,
-        }
+        let is_clear = matches!(desc.surface, Surface::Dielectric { .. }) && !desc.is_emissive();
+        if is_clear { source.medium(geometry.mesh_of(triangle)) } else { None }
     };
     let is_within = |contact: &Contact| {
         let [a, b] = contact.triangles.map(medium);
-        !contact.is_parallel && a.is_some() && a == b
+        !contact.is_parallel && !contact.is_thin && a.is_some() && a == b
     };
+    let contacts: Vec<&Contact> = contacts.iter().filter(|contact| !contact.is_apart).collect();
     let mut covered: HashMap<u32, f64> = HashMap::new();
     for contact in contacts.iter().filter(|contact| is_within(contact)) {
         for triangle in contact.triangles {
@@ -40,7 +37,7 @@ pub(super) fn find(source: &Source<'_>, geometry: &Geometry, contacts: &[Contact
     // One that touches anything else stays, and so do those that it covers.
     loop {
         let before = inner.len();
-        for contact in contacts {
+        for contact in &contacts {
             let [a, b] = contact.triangles;
             if !(is_within(contact) && inner.contains(&a) && inner.contains(&b)) {
                 inner.remove(&a);

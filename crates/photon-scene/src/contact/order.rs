@@ -12,6 +12,20 @@ pub(super) struct Patch<'a> {
     pub(super) is_up: bool,
     /// Area of the triangles that touch others, and of the whole mesh.
     pub(super) areas: [f64; 2],
+    /// Whether it bounds a layer that is thinner than what is resolved.
+    pub(super) is_thin: bool,
+    /// Its first corner, by coordinates.
+    pub(super) corner: [f32; 3],
+}
+
+/// Two patches that touch, or nearly do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) patches: [usize; 2],
+    /// Height of the second one over the first one along the common direction.
+    pub(super) height: f64,
+    /// Whether they nearly touch: their order is that of their heights, and they are as far apart as they have to be.
+    pub(super) is_apart: bool,
 }
 
 /// Levels of the patches along the common direction, such that all orders hold, and the largest sheet, or else the
@@ -23,27 +37,37 @@ pub(super) struct Levels {
     pub(super) is_wet: bool,
 }
 
-/// Levels for patches of which `pairs` touch; `None` if no order is right.
-pub(super) fn levels(patches: &[Patch<'_>], pairs: &[[usize; 2]]) -> Option<Levels> {
-    let (levels, is_wet) = match sorted(patches, pairs, true) {
-        Some(levels) => (levels, false),
-        None => (sorted(patches, pairs, false)?, true),
-    };
+/// Levels for patches that touch in `pairs`; `None` if no order is right.
+pub(super) fn levels(patches: &[Patch<'_>], pairs: &[Pair]) -> Option<Levels> {
     let anchor = (0..patches.len()).max_by(|&a, &b| {
         let (a, b) = (&patches[a], &patches[b]);
         (!a.is_solid()).cmp(&!b.is_solid()).then_with(|| a.size(b))
     })?;
+    if !patches[anchor].is_up {
+        // Seen from the other side, so that the result does not depend on the order of triangles.
+        let turned: Vec<_> = patches.iter().map(|patch| Patch { is_up: !patch.is_up, ..patch.clone() }).collect();
+        let pairs: Vec<_> = pairs.iter().map(|pair| Pair { height: -pair.height, ..*pair }).collect();
+        let Levels { levels, is_wet } = levels(&turned, &pairs)?;
+        return Some(Levels { levels: levels.into_iter().map(|level| -level).collect(), is_wet });
+    }
+    // What nearly touches comes second.
+    let touching: Vec<Pair> = pairs.iter().filter(|pair| !pair.is_apart).copied().collect();
+    let ways = [(true, pairs), (true, &touching[..]), (false, pairs), (false, &touching[..])];
+    let (levels, film) = ways.into_iter().find_map(|(film, pairs)| Some((sorted(patches, pairs, film)?, film)))?;
     let ground = levels[anchor];
-    Some(Levels { levels: levels.into_iter().map(|level| level - ground).collect(), is_wet })
+    Some(Levels { levels: levels.into_iter().map(|level| level - ground).collect(), is_wet: !film })
 }
 
 /// The longest path to each patch from those that nothing is below (Kahn 1962).
-fn sorted(patches: &[Patch<'_>], pairs: &[[usize; 2]], film: bool) -> Option<Vec<i32>> {
+fn sorted(patches: &[Patch<'_>], pairs: &[Pair], film: bool) -> Option<Vec<i32>> {
     let mut above = vec![Vec::new(); patches.len()];
     let mut below = vec![0; patches.len()];
-    for &[a, b] in pairs {
-        let (low, high) = if patches[a].is_below(&patches[b], film) { (a, b) } else { (b, a) };
-        above[low].push(high);
+    for pair in pairs {
+        let [a, b] = pair.patches;
+        let is_below =
+            if pair.is_apart { pair.height > 0.0 } else { patches[a].is_below(&patches[b], film, pair.height) };
+        let (low, high) = if is_below { (a, b) } else { (b, a) };
+        above[low].push((high, i32::from(!pair.is_apart)));
         below[high] += 1;
     }
     let mut levels = vec![0; patches.len()];
@@ -51,8 +75,8 @@ fn sorted(patches: &[Patch<'_>], pairs: &[[usize; 2]], film: bool) -> Option<Vec
     let mut done = 0;
     while let Some(low) = ready.pop() {
         done += 1;
-        for &high in &above[low] {
-            levels[high] = levels[high].max(levels[low] + 1);
+        for &(high, step) in &above[low] {
+            levels[high] = levels[high].max(levels[low] + step);
             below[high] -= 1;
             if below[high] == 0 {
                 ready.push(high);
@@ -67,11 +91,18 @@ impl Patch<'_> {
         self.material.is_solid()
     }
 
-    /// Whether this one is the lower one of two that touch. With `film`, there is air between solids and sheets.
-    fn is_below(&self, other: &Self, film: bool) -> bool {
+    /// Whether this one is the lower one of two that touch, the other one `height` over it. With `film`, there is air between
+    /// solids and sheets.
+    fn is_below(&self, other: &Self, film: bool, height: f64) -> bool {
+        /// Heights beyond rounding errors.
+        const CLEAR: f64 = 2.5e-7;
         match (self.is_solid(), other.is_solid()) {
             // Each reaches into the other, so that there is no gap.
             (true, true) if self.is_up != other.is_up => other.is_up,
+            // A thin layer is in front of what it lies on, unless it is clearly behind.
+            _ if self.is_thin != other.is_thin && height.abs() > CLEAR => height > 0.0,
+            _ if self.is_thin && !other.is_thin => !other.is_up,
+            _ if !self.is_thin && other.is_thin => self.is_up,
             // The outer one, which is entered first, is that which applies where both are; of equals the larger one, so
             // that the smaller one within it applies.
             (true, true) => {
@@ -92,7 +123,7 @@ impl Patch<'_> {
         }
     }
 
-    /// Order by size; of surfaces of equal size, by what they are, so that it does not depend on the order of meshes.
+    /// Order by size; of surfaces of equal size, by what and where they are, so that it does not depend on the order of meshes.
     fn size(&self, other: &Self) -> Ordering {
         // Sums in another order, or of other triangles, are equal up to rounding.
         let rounded = |areas: [f64; 2]| areas.map(|area| (area.ln() * 1e4).round());
@@ -109,6 +140,13 @@ impl Patch<'_> {
             (!material.is_emissive(), !matches!(material.surface, crate::Surface::Thin { .. }))
         };
         let text = |patch: &Self| format!("{:?}", (&patch.material.surface, patch.material.emission));
-        by_area.then_with(|| hides(self).cmp(&hides(other))).then_with(|| text(self).cmp(&text(other)))
+        let by_corner = || {
+            let pairs = self.corner.iter().zip(&other.corner);
+            pairs.map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+        };
+        by_area
+            .then_with(|| hides(self).cmp(&hides(other)))
+            .then_with(|| text(self).cmp(&text(other)))
+            .then_with(by_corner)
     }
 }

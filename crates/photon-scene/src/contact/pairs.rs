@@ -1,4 +1,4 @@
-//! Pairs of triangles that coincide: in nearly one plane, with areas that overlap.
+//! Pairs of triangles that coincide, in nearly one plane, with areas that overlap; and of those that nearly do.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -10,7 +10,7 @@ use crate::normalise::Geometry;
 
 /// Distance of planes up to which triangles coincide: the next ray starts [`offset::STEP`] beyond the one, which may be
 /// beyond the other.
-const REACH: f64 = 2.0 * offset::STEP as f64;
+pub(super) const REACH: f64 = 2.0 * offset::STEP as f64;
 
 /// Mean width above which an overlap is more than a common edge.
 const WIDTH: f64 = 4.0 * offset::STEP as f64;
@@ -18,7 +18,7 @@ const WIDTH: f64 = 4.0 * offset::STEP as f64;
 /// Leaves of the search tree that a thread takes at a time.
 const PART: usize = 1 << 12;
 
-/// Two triangles that coincide.
+/// Two triangles that coincide, or nearly do.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
     pub(super) triangles: [u32; 2],
@@ -26,17 +26,25 @@ pub(super) struct Contact {
     pub(super) is_parallel: bool,
     /// Area of the overlap.
     pub(super) area: f64,
+    /// A point of the overlap.
+    pub(super) middle: DVec3,
+    /// Mean height of the second triangle over the first one, along the normal of the first.
+    pub(super) height: f64,
+    /// Whether the one is beyond the reach of the other, and only nearly coincides with it.
+    pub(super) is_apart: bool,
+    /// Whether they are the two faces of a solid that is thinner than what is resolved.
+    pub(super) is_thin: bool,
 }
 
-/// The contacts among `candidates`, of pairs that are `wanted`, which gets their places there and whether they face the same
-/// way; and whether so many boxes overlap that the search was given up.
+/// The contacts among `candidates`, up to a distance of planes of `reach`, of pairs that are `wanted`, which gets their places
+/// there and whether they face the same way; and whether so many boxes overlap that the search was given up.
 pub(super) fn find(
     geometry: &Geometry,
     candidates: &[u32],
+    reach: f64,
     wanted: impl Fn([usize; 2], bool) -> bool + Sync,
 ) -> (Vec<Contact>, bool) {
     let own: Vec<[u32; 3]> = candidates.iter().map(|&triangle| geometry.triangles[triangle as usize]).collect();
-    // Its boxes are padded by at least a step, hence overlap within `REACH`.
     let Ok(tree) = BinaryTree::build(&geometry.positions, &own, 4) else { return (Vec::new(), false) };
     let leaves: Vec<Binary> = tree.nodes.iter().filter(|node| node.count > 0).copied().collect();
     let (tested, limit) = (AtomicU64::new(0), (1 << 26) + 256 * own.len() as u64);
@@ -47,7 +55,7 @@ pub(super) fn find(
             stack.push(0);
             while let Some(node) = stack.pop() {
                 let node: &Binary = &tree.nodes[node as usize];
-                if !meet(leaf, node) {
+                if !meet(leaf, node, reach as f32) {
                     continue;
                 }
                 if node.count == 0 {
@@ -59,7 +67,7 @@ pub(super) fn find(
                         tests += 1;
                         let both = [a as usize, b as usize];
                         let triangles = both.map(|id| candidates[id]);
-                        found.extend(contact(geometry, triangles, |is_parallel| wanted(both, is_parallel)));
+                        found.extend(contact(geometry, triangles, reach, |is_parallel| wanted(both, is_parallel)));
                     }
                 }
             }
@@ -78,11 +86,11 @@ fn ids<'a>(tree: &'a BinaryTree, leaf: &Binary) -> &'a [u32] {
     &tree.order[leaf.first as usize..][..leaf.count as usize]
 }
 
-fn meet(a: &Binary, b: &Binary) -> bool {
-    (0..3).all(|axis| a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis])
+fn meet(a: &Binary, b: &Binary, reach: f32) -> bool {
+    (0..3).all(|axis| a.low[axis] - b.high[axis] <= reach && b.low[axis] - a.high[axis] <= reach)
 }
 
-fn contact(geometry: &Geometry, [s, t]: [u32; 2], wanted: impl Fn(bool) -> bool) -> Option<Contact> {
+fn contact(geometry: &Geometry, [s, t]: [u32; 2], reach: f64, wanted: impl Fn(bool) -> bool) -> Option<Contact> {
     let normals = [s, t].map(|id| Vec3::from_array(geometry.primitives[id as usize].0));
     let cosine = normals[0].dot(normals[1]);
     // Before the overlap, which takes most of the time: neighbours in a smooth mesh end here.
@@ -90,8 +98,19 @@ fn contact(geometry: &Geometry, [s, t]: [u32; 2], wanted: impl Fn(bool) -> bool)
         return None;
     }
     let overlap = Overlap::of(corners(geometry, s), corners(geometry, t))?;
-    let coincide = overlap.heights.0 >= -REACH && overlap.heights.1 <= REACH;
-    coincide.then_some(Contact { triangles: [s, t], is_parallel: cosine > 0.0, area: overlap.area })
+    let (low, high) = overlap.heights;
+    let is_apart = low < -REACH || high > REACH;
+    // Of those that are apart, one is above the other everywhere.
+    let is_ordered = low >= 0.0 && high <= reach || high <= 0.0 && low >= -reach;
+    (!is_apart || is_ordered).then_some(Contact {
+        triangles: [s, t],
+        is_parallel: cosine > 0.0,
+        area: overlap.area,
+        middle: overlap.middle,
+        height: 0.5 * (low + high),
+        is_apart,
+        is_thin: false,
+    })
 }
 
 /// The corners of a triangle.
@@ -103,6 +122,8 @@ pub(super) fn corners(geometry: &Geometry, triangle: u32) -> [DVec3; 3] {
 #[derive(Debug)]
 pub(super) struct Overlap {
     pub(super) area: f64,
+    /// A point of the larger triangle's overlap.
+    pub(super) middle: DVec3,
     /// Least and greatest height of the second triangle over the first one, along the normal of the first.
     pub(super) heights: (f64, f64),
 }
@@ -158,6 +179,7 @@ impl Overlap {
         let polygon = &polygon[..count];
         let sides = || polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(a, b)| (a.0, b.0));
         let area = 0.5 * sides().map(|(a, b)| (a - corners[0]).perp_dot(b - corners[0])).sum::<f64>().abs();
+        let centre = polygon.iter().map(|corner| corner.0).sum::<DVec2>() / count as f64;
         let around: f64 = sides().map(|(a, b)| a.distance(b)).sum();
         let (low, high) = polygon
             .iter()
@@ -165,7 +187,8 @@ impl Overlap {
         // The height of the larger over the smaller one has the other sign, and another if they face each other.
         let flips = is_swapped && cross(first).dot(normal) > 0.0;
         let heights = if flips { (-high, -low) } else { (low, high) };
-        (2.0 * area > WIDTH * around).then_some(Self { area, heights })
+        let middle = base[0] + x * centre.x + y * centre.y;
+        (2.0 * area > WIDTH * around).then_some(Self { area, middle, heights })
     }
 }
 

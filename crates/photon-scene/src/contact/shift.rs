@@ -1,5 +1,6 @@
 //! Displacement of vertices, so that triangles come to lie on their levels.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::{DMat3, DVec3, Vec3};
@@ -18,11 +19,11 @@ const DAMPING: f64 = 1e-3;
 /// Place of a vertex: the bits of its coordinates.
 type Place = [u32; 3];
 
-/// A triangle, the direction in which levels count there, and its level.
+/// A triangle, its normal, and its level along that.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Raised {
     pub(super) triangle: u32,
-    pub(super) up: DVec3,
+    pub(super) normal: DVec3,
     pub(super) level: i32,
 }
 
@@ -35,9 +36,19 @@ pub(super) fn apply(geometry: &mut Geometry, materials: &[MaterialDesc], raised:
         .flat_map(|raised| geometry.triangles[raised.triangle as usize].map(|vertex| place(geometry, vertex)))
         .collect();
     let touched: HashMap<u32, &Raised> = raised.iter().map(|raised| (raised.triangle, raised)).collect();
-    let is_moving: Vec<bool> =
-        (0..geometry.positions.len() as u32).map(|vertex| moving.contains(&place(geometry, vertex))).collect();
+    let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let places = moving.iter().map(|at| Vec3::from_array(at.map(f32::from_bits)));
+    let bounds = places.fold(empty, |(low, high), at| (low.min(at), high.max(at)));
+    // Most vertices are nowhere near those.
+    let is_near = |vertex: u32| {
+        let at = Vec3::from_array(geometry.positions[vertex as usize]);
+        at.cmpge(bounds.0).all() && at.cmple(bounds.1).all()
+    };
+    let is_moving: Vec<bool> = (0..geometry.positions.len() as u32)
+        .map(|vertex| is_near(vertex) && moving.contains(&place(geometry, vertex)))
+        .collect();
     // Triangles by what they may move with, and by place.
+    let mut uses: HashMap<u32, usize> = HashMap::new();
     let mut fans: BTreeMap<(bool, u32, Place), Vec<u32>> = BTreeMap::new();
     for (triangle, corners) in (0..).zip(&geometry.triangles) {
         if !corners.iter().any(|&vertex| is_moving[vertex as usize]) {
@@ -48,12 +59,18 @@ pub(super) fn apply(geometry: &mut Geometry, materials: &[MaterialDesc], raised:
         let of = if is_solid { material } else { geometry.mesh_of(triangle) as u32 };
         for &vertex in corners.iter().filter(|&&vertex| is_moving[vertex as usize]) {
             fans.entry((is_solid, of, place(geometry, vertex))).or_default().push(triangle);
+            *uses.entry(vertex).or_default() += 1;
         }
     }
+    // Whether two faces that meet at an edge are those of a layer without thickness, which gets one.
+    let comes_apart = |a: u32, b: u32| {
+        let (Some(a), Some(b)) = (touched.get(&a), touched.get(&b)) else { return false };
+        a.normal.dot(b.normal) < -0.999 && a.level + b.level != 0
+    };
     // Corners that move, by vertex and new place.
     let mut moves: Vec<(u32, Place, u32)> = Vec::new();
     for ((is_solid, _, at), triangles) in fans {
-        let fans = if is_solid { connected(geometry, at, &triangles) } else { vec![triangles] };
+        let fans = if is_solid { connected(geometry, at, &triangles, &comes_apart) } else { vec![triangles] };
         for fan in fans {
             let planes = fan.iter().filter_map(|triangle| touched.get(triangle)).copied();
             let Some(way) = displacement(planes) else { continue };
@@ -66,14 +83,13 @@ pub(super) fn apply(geometry: &mut Geometry, materials: &[MaterialDesc], raised:
         }
     }
     moves.sort_unstable();
-    let mut uses = vec![0_u32; geometry.positions.len()];
-    geometry.triangles.iter().flatten().for_each(|&vertex| uses[vertex as usize] += 1);
     for same in moves.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         let (vertex, to, _) = same[0];
         let position = to.map(f32::from_bits);
         // A vertex that stays for other triangles is doubled.
-        uses[vertex as usize] -= same.len() as u32;
-        if uses[vertex as usize] == 0 {
+        let uses = uses.entry(vertex).or_default();
+        *uses -= same.len();
+        if *uses == 0 {
             geometry.positions[vertex as usize] = position;
             continue;
         }
@@ -94,28 +110,37 @@ fn place(geometry: &Geometry, vertex: u32) -> Place {
 
 /// Displacement of a vertex onto the levels of its planes, by least squares; `None` if it stays.
 fn displacement<'a>(planes: impl Iterator<Item = &'a Raised>) -> Option<DVec3> {
-    // Several triangles of one plane count once.
-    let mut different: Vec<Raised> = Vec::new();
+    // In an order that does not depend on that of triangles.
+    let mut planes: Vec<&Raised> = planes.collect();
+    planes.sort_unstable_by(|a, b| {
+        let by_normal = a.normal.to_array().into_iter().zip(b.normal.to_array()).map(|(a, b)| a.total_cmp(&b));
+        by_normal.fold(b.level.abs().cmp(&a.level.abs()), Ordering::then)
+    });
+    // Several triangles of one plane count once, with the largest level.
+    let mut different: Vec<&Raised> = Vec::new();
     for plane in planes {
-        match different.iter_mut().find(|known| known.up.dot(plane.up).abs() > 0.999) {
-            Some(known) if known.level.abs() >= plane.level.abs() => {}
-            Some(known) => *known = *plane,
-            None => different.push(*plane),
+        if different.iter().all(|known| known.normal.dot(plane.normal).abs() <= 0.999) {
+            different.push(plane);
         }
     }
-    let most = different.iter().map(|plane| plane.level.abs()).max().filter(|&most| most > 0)?;
-    let mut normal = DMat3::from_diagonal(DVec3::splat(DAMPING));
+    let most = different.first().map(|plane| plane.level.abs()).filter(|&most| most > 0)?;
+    let mut square = DMat3::from_diagonal(DVec3::splat(DAMPING));
     let mut right = DVec3::ZERO;
-    for plane in &different {
-        normal += DMat3::from_cols(plane.up * plane.up.x, plane.up * plane.up.y, plane.up * plane.up.z);
-        right += plane.up * (f64::from(plane.level) * GAP);
+    for &&Raised { normal, level, .. } in &different {
+        square += DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+        right += normal * (f64::from(level) * GAP);
     }
-    Some((normal.inverse() * right).clamp_length_max(4.0 * GAP * f64::from(most)))
+    Some((square.inverse() * right).clamp_length_max(4.0 * GAP * f64::from(most)))
 }
 
 /// Groups the triangles around a place that bound one solid: those that are connected by edges. Where solids touch along
 /// an edge, a triangle is joined with the one that encloses the smaller angle of the solid.
-fn connected(geometry: &Geometry, at: Place, triangles: &[u32]) -> Vec<Vec<u32>> {
+fn connected(
+    geometry: &Geometry,
+    at: Place,
+    triangles: &[u32],
+    comes_apart: &dyn Fn(u32, u32) -> bool,
+) -> Vec<Vec<u32>> {
     let mut group: Vec<usize> = (0..triangles.len()).collect();
     // The edges at the place: their other end, whether the triangle traverses them from there, and the triangle.
     let mut edges: Vec<(Place, bool, usize)> = Vec::with_capacity(2 * triangles.len());
@@ -136,6 +161,7 @@ fn connected(geometry: &Geometry, at: Place, triangles: &[u32]) -> Vec<Vec<u32>>
         let inwards = || edge.iter().filter(|edge| !edge.1);
         let mut joints: Vec<(bool, f64, usize, usize)> = outwards
             .flat_map(|from| inwards().map(|to| (from.2, to.2)))
+            .filter(|&(from, to)| !comes_apart(triangles[from], triangles[to]))
             .map(|(from, to)| {
                 let [a, b] = [from, to].map(|index| triangles[index]);
                 let is_other = geometry.mesh_of(a) != geometry.mesh_of(b);

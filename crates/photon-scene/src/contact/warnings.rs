@@ -3,8 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Source;
-use super::pairs::Contact;
+use super::pairs::{Contact, REACH};
+use super::shift::GAP;
 use crate::normalise::Geometry;
+
+/// Thickness that rounding may cause, normalised.
+const ROUNDING: f64 = 1.2e-7;
 
 /// Number of names in a warning.
 const NAMED: usize = 6;
@@ -29,19 +33,33 @@ pub(super) struct Findings {
     pub(super) inner: usize,
     /// Names of the surfaces that touch.
     pub(super) pairs: BTreeMap<Kind, BTreeSet<String>>,
+    /// Names of solids that are thinner than what is resolved, and their thickness, normalised.
+    pub(super) thin: BTreeMap<String, f64>,
     /// Names of those that could not be set apart.
     pub(super) failed: BTreeSet<String>,
 }
 
 impl Findings {
-    /// Adds the warnings.
-    pub(super) fn warn(self, warnings: &mut Vec<String>) {
+    /// Adds the warnings; `scale` is the extent of the scene.
+    pub(super) fn warn(self, scale: f64, warnings: &mut Vec<String>) {
         if self.is_partial {
             warnings.push(
                 "so many triangles overlap that not all of them were compared; where some coincide, light may miss one of \
                  them: remove duplicates"
                     .to_owned(),
             );
+        }
+        for (name, &thickness) in self.thin.iter().take(NAMED) {
+            let [own, least, shown] = [thickness, REACH, thickness + GAP].map(|length| length * scale);
+            let own =
+                if thickness > ROUNDING { format!("is only {own:.1e} thick") } else { "has no thickness".to_owned() };
+            warnings.push(format!(
+                "the solid '{name}' {own}: this scene resolves {least:.1e}, 2e-6 of its extent, and shows it {shown:.1e} \
+                 thick; make it kind = thin, or thicker, or the scene smaller"
+            ));
+        }
+        if self.thin.len() > NAMED {
+            warnings.push(format!("{} more solids are thinner than what this scene resolves", self.thin.len() - NAMED));
         }
         for (kind, names) in &self.pairs {
             let how = match kind {
@@ -85,14 +103,17 @@ impl Source<'_> {
             [false, false] => Kind::Sheets,
             _ => Kind::Film,
         };
-        let name = |mesh: usize| {
-            let own: &str = &self.meshes[mesh].name;
-            if own.is_empty() { &*self.material(mesh).name } else { own }
-        };
+        let name = |mesh: usize| self.name(mesh);
         if solid == [false, true] || solid[0] == solid[1] && name(meshes[0]) > name(meshes[1]) {
             meshes.swap(0, 1);
         }
         let [a, b] = meshes.map(name);
-        (kind, format!("'{a}' and '{b}'"))
+        (kind, if meshes[0] == meshes[1] { format!("parts of '{a}'") } else { format!("'{a}' and '{b}'") })
+    }
+
+    /// The name of a mesh, or else of its material.
+    pub(super) fn name(&self, mesh: usize) -> &str {
+        let own: &str = &self.meshes[mesh].name;
+        if own.is_empty() { &self.material(mesh).name } else { own }
     }
 }

@@ -144,12 +144,13 @@ fn across(point: DVec3) -> DVec2 {
     DVec2::new(point.y, point.z)
 }
 
-/// How the ray along +x from `point` crosses a triangle: 1 if it leaves through the front, -1 if it enters
-/// there, 0 if it misses.
+/// Crossing of a triangle by the ray along +x from `point`: 1 if it leaves through the front, -1 if it enters there, 0 if it
+/// misses. Over a closed mesh that faces outwards, the sum is 1 for points inside and 0 for others.
 ///
 /// Each edge is tested in a fixed direction that does not depend on the triangle, so that a ray through an
 /// edge crosses exactly one of the two triangles that share it.
-fn crossing(corners: [DVec3; 3], point: DVec3) -> i32 {
+#[must_use]
+pub fn crossing(corners: [DVec3; 3], point: DVec3) -> i32 {
     let at = across(point);
     let [a, b, c] = corners.map(across);
     let left = [side(a, b, at), side(b, c, at), side(c, a, at)];

@@ -11,7 +11,7 @@ use crate::scene::SceneView;
 use crate::scene::material::MaterialKind;
 use crate::scene::media::{MediaFeatures, MediumStack};
 
-pub use locator::Locator;
+pub use locator::{Locator, crossing};
 
 /// A connected set of boundary triangles of one medium.
 #[derive(Debug)]

@@ -68,7 +68,7 @@ ProjectionSample projection_sample(ProjectionRef projection, uvec4 light, uvec4 
     return projected;
 }
 
-// The disc of the aimed photons of an environment: centre and radius.
+// The disc of the aimed photons of a light that is infinitely far away: centre and radius.
 vec4 projection_disc(ProjectionRef projection, ProjectionSample projected) {
     uint first = projected.first - 4u;
     return uintBitsToFloat(uvec4(projection.cells[first].at, projection.cells[first + 1u].at,

@@ -47,7 +47,7 @@ vec3 before_disc(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, float radius
     return before;
 }
 
-// The same for a disc of an environment's aimed photons, from as far away as those that are not aimed.
+// The same for a disc of aimed photons, from as far away as those that are not aimed.
 vec3 behind_part(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, vec4 disc, float radius) {
     precise float away = radius + (disc.x * along.x + disc.y * along.y + disc.z * along.z);
     precise vec3 behind = disc.xyz + (tangent * at.x + bitangent * at.y) * disc.w - along * away;
@@ -110,8 +110,16 @@ void main() {
             if (SUN && is_sun(light)) {
                 // Through the disc in the plane of the scene's centre.
                 vec3 along = sampling_about(light.direction, sun_versine(light.versine_outer, c), d);
-                origin = before_disc(along, tangent, bitangent, at, light.radius);
+                if (AIMED) {
+                    vec4 disc = projection_disc(push.projection, projected);
+                    origin = behind_part(along, tangent, bitangent, at, disc, 2.0 * light.radius);
+                } else {
+                    origin = before_disc(along, tangent, bitangent, at, light.radius);
+                }
                 direction = along;
+            } else if (AIMED) {
+                vec4 disc = projection_disc(push.projection, projected);
+                origin = behind_part(light.direction, tangent, bitangent, at, disc, light.radius);
             } else {
                 origin = behind_disc(light.direction, tangent, bitangent, at, light.radius);
             }

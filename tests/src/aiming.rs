@@ -9,7 +9,7 @@ use photon_core::{
     Backend, Batch, CausticPhotons, Direct, EnvironmentMap, Estimator, Indirect, Light, MapKind, Pass, PerMap, Photon,
     PhotonRay, ProjectionMap, Ray, RayCaster, Render, Requirements, Settings, TransportBackend, sampling,
 };
-use photon_scene::{Accel, CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
+use photon_scene::{Accel, CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, Sun, shapes};
 
 use crate::equivalence::rays;
 use crate::harness::{TestBackend, per_pass, renderer};
@@ -41,7 +41,10 @@ fn room(kinds: &str, whole: bool) -> Scene {
         let (inner_angle, outer_angle) = (0.2, 0.7);
         builder.light("spot", LightDesc::Spot { position, direction, intensity: [3.0; 3], inner_angle, outer_angle });
     }
-    if has("sun") {
+    if kinds == "sun" {
+        let (direction, irradiance) = ([0.3, -1.0, 0.2], [0.2, 0.3, 0.5]);
+        builder.sun(Sun::new(direction, irradiance).with_radius_degrees(5.0));
+    } else if has("sun") {
         builder.light("sun", LightDesc::Directional { direction: [0.3, -1.0, 0.2], irradiance: [0.2, 0.3, 0.5] });
     }
     if has("panel") {
@@ -162,11 +165,14 @@ impl<'a> Cells<'a> {
     fn holds(&self, light: &Light, ray: &PhotonRay, words: [u32; 4], [c, d, ..]: [u32; 4]) -> bool {
         let Some(t) = self.projection.targets().iter().find(|t| t.light == ray.light) else { return false };
         let [_, mut a, mut b, side] = words;
-        if light.kind == Light::ENVIRONMENT {
-            // The words by which it would start through the disc of aimed photons.
+        if matches!(light.kind, Light::ENVIRONMENT | Light::DIRECTIONAL) {
+            // The words by which it would start through the disc of aimed photons, where it crosses its plane.
             let disc = self.projection.disc(t);
-            let (tangent, bitangent) = sampling::basis(ray.direction.into());
-            let across = (Vec3::from(ray.origin) - disc.centre) / disc.radius;
+            let way = Vec3::from(ray.direction);
+            let axis = if light.kind == Light::DIRECTIONAL { light.direction.into() } else { way };
+            let (tangent, bitangent) = sampling::basis(axis);
+            let from_centre = Vec3::from(ray.origin) - disc.centre;
+            let across = (from_centre - way * (from_centre.dot(axis) / way.dot(axis))) / disc.radius;
             let at = Vec2::new(across.dot(tangent), across.dot(bitangent)).as_dvec2();
             if at.length_squared() > 1.0 {
                 return false;

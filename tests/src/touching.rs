@@ -156,6 +156,11 @@ pub fn glass_on_a_floor<T: TestBackend>() {
     let truth = DARK * passes(&[(1.5, 0.0)]).powi(2);
     assert!((truth / DARK - 0.852).abs() < 1e-3);
     check::<T>("sun", &[Part::Floor(1.25, DARK), block], (Light::Above, 5.0), truth, 1e-3);
+    // Thinner than what is resolved, with whose thickness nothing changes.
+    let plate = Part::Layer(1.0, [0.0, 1e-6], 1.5, 0.0);
+    check::<T>("a thin plate", &[Part::Floor(1.25, DARK), plate], (Light::Above, 5.0), truth, 1e-3);
+    // Most of the sun's photons are nowhere near.
+    check::<T>("an enormous floor", &[Part::Floor(3e3, DARK), block], (Light::Above, 5.0), truth, 1e-3);
     // All that is seen of a furnace has its radiance, whatever touches.
     check::<T>("furnace", &[Part::Floor(1.25, 1.0), block], (Light::Everywhere, 5.0), 1.0, 1e-4);
 }

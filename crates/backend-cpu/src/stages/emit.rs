@@ -120,8 +120,15 @@ fn each(
     });
 }
 
+/// The start of an aimed photon through a point of a disc, given for one of radius 1 around the origin: from as far away from
+/// the scene's centre as photons that are not aimed.
+fn before(disc: &ProjectionDisc, at: Vec3, direction: Vec3, radius: f32) -> Vec3 {
+    let away = radius + disc.centre.dot(direction);
+    disc.centre + at * disc.radius - direction * away
+}
+
 /// Samples the origin and direction of a photon that leaves light `index`; its path and its power, which is that of
-/// the light's mean radiance, are those of `start`. With `AIMED`, those of an environment start through `disc`.
+/// the light's mean radiance, are those of `start`. With `AIMED`, those of infinitely distant lights start through `disc`.
 #[inline]
 fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
     scene: &CpuScene,
@@ -160,10 +167,7 @@ fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
                 let (x, y) = sampling::disc(a, b);
                 let (tangent, bitangent) = sampling::basis(direction);
                 if AIMED {
-                    // From as far away as photons that are not aimed.
-                    let disc = disc();
-                    let away = light.radius + disc.centre.dot(direction);
-                    (disc.centre + (tangent * x + bitangent * y) * disc.radius - direction * away, direction)
+                    (before(&disc(), tangent * x + bitangent * y, direction, light.radius), direction)
                 } else {
                     ((tangent * x + bitangent * y - direction) * light.radius, direction)
                 }
@@ -187,7 +191,13 @@ fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
             if light.is_sun() {
                 // Through the disc in the plane of the scene's centre, from twice its radius away.
                 let direction = sampling::about(along, sampling::sun_versine(light.versine_outer, c), d);
-                ((tangent * x + bitangent * y - direction * 2.0) * light.radius, direction)
+                if AIMED {
+                    (before(&disc(), tangent * x + bitangent * y, direction, 2.0 * light.radius), direction)
+                } else {
+                    ((tangent * x + bitangent * y - direction * 2.0) * light.radius, direction)
+                }
+            } else if AIMED {
+                (before(&disc(), tangent * x + bitangent * y, along, light.radius), along)
             } else {
                 ((tangent * x + bitangent * y - along) * light.radius, along)
             }

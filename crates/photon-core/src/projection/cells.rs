@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::clusters::Sphere;
-use super::environment::{Cap, EnvironmentBeams, ProjectionDisc};
+use super::environment::{Cap, EnvironmentBeams, ProjectionDisc, slope};
 use crate::parallel;
 use crate::sampling;
 use crate::scene::SceneView;
@@ -32,8 +32,7 @@ pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
 type Sink<'a> = &'a mut dyn FnMut(u32) -> ControlFlow<()>;
 
 /// Calls `sink` with the cells of `light` from which a photon could hit one of `spheres`, and adds the
-/// number of blocks of cells that were tested to `blocks`. The light is an environment if there is a disc, which contains the
-/// spheres.
+/// number of blocks of cells that were tested to `blocks`. There is a disc if the light is infinitely far away.
 pub(super) fn mark(
     scene: &SceneView<'_>,
     light: &Light,
@@ -197,8 +196,8 @@ enum Beam<'a> {
     /// From a point in a sphere, within an angle to an axis; sine and cosine of the largest angle.
     Cone { from: Sphere, axis: DVec3, sin: f64, cos: f64 },
     /// Along a direction perpendicular to both axes, or within an angle to it whose tangent is `slope`, through a disc in
-    /// the plane of both axes and the origin; its centre is given in the coordinates of the axes.
-    Tube { axes: [DVec3; 2], along: DVec3, centre: DVec2, radius: f64, slope: f64 },
+    /// the plane of both axes through `origin`; its centre is given in the coordinates of the axes.
+    Tube { axes: [DVec3; 2], along: DVec3, origin: DVec3, centre: DVec2, radius: f64, slope: f64 },
     /// Along the directions of a cap, through a part of the disc of an environment.
     Environment { beams: &'a EnvironmentBeams, cap: &'a Cap, part: (DVec2, f64) },
 }
@@ -224,9 +223,10 @@ impl Beam<'_> {
                 let more_than_half = sin * along + cos * reach <= 0.0;
                 more_than_half || way.dot(*axis) >= least - 1e-12
             }
-            Self::Tube { axes, along, centre, radius, slope } => {
-                let at = DVec2::new(sphere.centre.dot(axes[0]), sphere.centre.dot(axes[1]));
-                let aside = slope * (sphere.centre.dot(*along).abs() + sphere.radius);
+            Self::Tube { axes, along, origin, centre, radius, slope } => {
+                let from_origin = sphere.centre - *origin;
+                let at = DVec2::new(from_origin.dot(axes[0]), from_origin.dot(axes[1]));
+                let aside = slope * (from_origin.dot(*along).abs() + sphere.radius);
                 at.distance(*centre) <= radius + sphere.radius + aside
             }
             Self::Environment { beams, cap, part } => beams.meets(cap, *part, sphere),
@@ -240,6 +240,7 @@ struct Beams {
     corners: [DVec3; 3],
     axis: DVec3,
     axes: [DVec3; 2],
+    disc: Option<ProjectionDisc>,
     environment: Option<EnvironmentBeams>,
 }
 
@@ -270,7 +271,9 @@ impl Beams {
             corners: corners.map(Vec3::as_dvec3),
             axis: axis.as_dvec3(),
             axes: [tangent.as_dvec3(), bitangent.as_dvec3()],
+            disc,
             environment: disc
+                .filter(|_| light.kind == Light::ENVIRONMENT)
                 .zip(scene.environment)
                 .map(|(disc, map)| EnvironmentBeams::new(map, disc, direction_bits)),
         }
@@ -283,13 +286,11 @@ impl Beams {
             return Beam::Environment { beams, cap, part: ring(point) };
         }
         let direction = block.direction.map(|at| interval(at, block.direction_bits));
-        if self.light.kind == Light::DIRECTIONAL {
-            let scale = f64::from(self.light.radius);
-            let (centre, radius) = ring(point.map(|x| x));
-            let versine = f64::from(self.light.versine_outer);
-            let slope = (versine * (2.0 - versine)).sqrt() / (1.0 - versine);
-            let (axes, along) = (self.axes, self.axis);
-            return Beam::Tube { axes, along, centre: centre * scale, radius: radius * scale, slope };
+        if let Some(disc) = &self.disc {
+            let (scale, origin) = (f64::from(disc.radius), disc.centre.as_dvec3());
+            let (centre, radius) = ring(point);
+            let (axes, along, slope) = (self.axes, self.axis, slope(&self.light));
+            return Beam::Tube { axes, along, origin, centre: centre * scale, radius: radius * scale, slope };
         }
         let (axis, angle) = self.cone(direction);
         let (sin, cos) = libm::sincos(angle.min(PI));

@@ -12,6 +12,14 @@ pub(super) struct Sphere {
     pub(super) radius: f64,
 }
 
+impl Sphere {
+    /// The sphere around a box.
+    fn around(low: Vec3, high: Vec3) -> Self {
+        let (low, high) = (low.as_dvec3(), high.as_dvec3());
+        Self { centre: 0.5 * (low + high), radius: 0.5 * low.distance(high) + ROUNDING }
+    }
+}
+
 /// Largest deviation of a photon by rounding on its way to a surface: directions are accurate to 2·10⁻⁶,
 /// and paths are not longer than the scene.
 const ROUNDING: f64 = 1e-5;
@@ -24,17 +32,31 @@ const PIECES: usize = 1 << 20;
 
 /// At most `most` spheres around all triangles of the materials `among`.
 pub(super) fn of(scene: &SceneView<'_>, among: &dyn Fn(&Material) -> bool, most: usize) -> Vec<Sphere> {
-    let specular = || {
-        let primitives = scene.primitives.iter().zip(scene.triangles);
-        primitives.filter(|(primitive, _)| scene.materials_of(primitive).any(among)).map(|(_, triangle)| triangle)
-    };
-    let count = specular().count();
+    let count = specular(scene, among).count();
     if count == 0 {
         return Vec::new();
     }
     let depth = (PIECES / count).max(1).ilog2();
-    let corners = specular().map(|triangle| triangle.map(|vertex| Vec3::from(scene.positions[vertex as usize])));
-    around(corners, depth, most)
+    around(specular(scene, among), depth, most)
+}
+
+/// One sphere around all of them; `None` if there are none.
+pub(super) fn whole(scene: &SceneView<'_>, among: &dyn Fn(&Material) -> bool) -> Option<Sphere> {
+    let corners = specular(scene, among).flatten();
+    let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let (low, high) = corners.fold(empty, |(low, high), at| (low.min(at), high.max(at)));
+    low.is_finite().then(|| Sphere::around(low, high))
+}
+
+/// The corners of the triangles of the materials `among`.
+fn specular<'a>(
+    scene: &'a SceneView<'_>,
+    among: &'a dyn Fn(&Material) -> bool,
+) -> impl Iterator<Item = [Vec3; 3]> + 'a {
+    let primitives = scene.primitives.iter().zip(scene.triangles);
+    primitives
+        .filter(move |(primitive, _)| scene.materials_of(primitive).any(among))
+        .map(move |(_, triangle)| triangle.map(|vertex| Vec3::from(scene.positions[vertex as usize])))
 }
 
 /// At most `most` spheres around triangles, which are bisected at most `depth` times.
@@ -109,11 +131,7 @@ impl Grid {
 
     fn spheres(&self) -> Vec<Sphere> {
         let filled = self.boxes.iter().filter(|(low, high)| low.x <= high.x);
-        let sphere = |&(low, high): &(Vec3, Vec3)| {
-            let (low, high) = (low.as_dvec3(), high.as_dvec3());
-            Sphere { centre: 0.5 * (low + high), radius: 0.5 * low.distance(high) + ROUNDING }
-        };
-        filled.map(sphere).collect()
+        filled.map(|&(low, high)| Sphere::around(low, high)).collect()
     }
 }
 

@@ -8,7 +8,8 @@ use super::clusters::Sphere;
 use crate::scene::environment::EnvironmentMap;
 use crate::scene::light::Light;
 
-/// The disc through which the aimed photons of an environment start, across each direction.
+/// The disc through which the aimed photons of a light that is infinitely far away start: across each direction of an
+/// environment, and across the axis of a directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ProjectionDisc {
@@ -19,7 +20,7 @@ pub struct ProjectionDisc {
 }
 
 impl ProjectionDisc {
-    /// A disc that every line through one of the spheres crosses, at most that of all photons of `light`.
+    /// A disc that every line of a photon through one of the spheres crosses, at most that of all photons of `light`.
     pub(super) fn around(spheres: &[Sphere], light: &Light) -> Self {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for sphere in spheres {
@@ -27,7 +28,15 @@ impl ProjectionDisc {
             high = high.max(sphere.centre + sphere.radius);
         }
         let centre = (0.5 * (low + high)).as_vec3();
-        let reach = |sphere: &Sphere| sphere.centre.distance(centre.as_dvec3()) + sphere.radius;
+        let axis = Vec3::from(light.direction).as_dvec3();
+        let reach = |sphere: &Sphere| {
+            let from_centre = sphere.centre - centre.as_dvec3();
+            if light.kind == Light::ENVIRONMENT {
+                return from_centre.length() + sphere.radius;
+            }
+            let aside = slope(light) * (from_centre.dot(axis).abs() + sphere.radius);
+            from_centre.reject_from_normalized(axis).length() + sphere.radius + aside
+        };
         let radius = (spheres.iter().map(reach).fold(0.0, f64::max) as f32).next_up();
         if radius < light.radius { Self { centre, radius } } else { Self { centre: Vec3::ZERO, radius: light.radius } }
     }
@@ -45,6 +54,12 @@ impl ProjectionDisc {
         let [x, y, z, radius] = words.map(f32::from_bits);
         Self { centre: Vec3::new(x, y, z), radius }
     }
+}
+
+/// Tangent of the largest angle between a photon of a directional light and its axis.
+pub(super) fn slope(light: &Light) -> f64 {
+    let versine = f64::from(light.versine_outer);
+    (versine * (2.0 - versine)).sqrt() / (1.0 - versine)
 }
 
 /// The directions of all blocks of cells, and the disc.

@@ -41,8 +41,8 @@ pub struct ProjectionTarget {
     pub carried: [f32; 3],
     /// Index of the light in the scene's table.
     pub light: u32,
-    /// Index of its first cell in [`ProjectionMap::cells`]. If it is an environment, the four words before are those of
-    /// its [`ProjectionMap::disc`].
+    /// Index of its first cell in [`ProjectionMap::cells`]. If it is infinitely far away, the four words before are those
+    /// of its [`ProjectionMap::disc`].
     pub first: u32,
     /// Number of its cells, ≥ 1.
     pub count: u32,
@@ -94,7 +94,7 @@ pub enum NoProjection {
 /// Result of marking.
 struct Marking {
     projection: ProjectionMap,
-    /// Share of the light by which it is decided whether to aim: that of an environment counts as a whole.
+    /// Share of the light by which it is decided whether to aim: that of an environment counts as a whole, unless it is rare.
     counted: f64,
     /// Whether all cells were tested; if not, those marked so far hold more than the given share of the light.
     whole: bool,
@@ -106,8 +106,12 @@ struct Marking {
 impl ProjectionMap {
     /// Aiming is worthwhile in addition to other paths if at most this share of the light could reach a
     /// specular surface, and most of that light a smooth one: more photons make derived radii smaller, and the error
-    /// of sharp caustics is mostly bias. The light of an environment counts as a whole.
+    /// of sharp caustics is mostly bias. The light of an environment counts as a whole, unless it is [`Self::RARE`].
     pub const WORTH: f64 = 0.5;
+
+    /// Share of an environment's photons that could reach a specular surface below which it counts in proportion: other paths
+    /// would hardly ever find a small glass on a wide plain.
+    pub const RARE: f64 = 1e-3;
 
     /// The same where mirrors and smooth glass are not what most of that light could reach: caustics of rough surfaces are
     /// smooth, and have no bias that smaller radii would reduce.
@@ -147,7 +151,7 @@ impl ProjectionMap {
             CausticPhotons::Auto => (Self::WORTH_ROUGH, false),
             CausticPhotons::Aimed(_) => (f64::INFINITY, true),
         };
-        if environment_share(scene) > most {
+        if environment_share(scene) > most && !is_rare(scene) {
             return Err(NoProjection::Environment);
         }
         let Marking { projection, counted, whole, .. } = Self::mark(scene, most);
@@ -204,11 +208,13 @@ impl ProjectionMap {
             let (point_bits, direction_bits) = cells::bits(light, bits);
             let is_environment = light.kind == Light::ENVIRONMENT;
             let spheres: &[_] = if is_environment { &coarse } else { &fine };
-            let disc = (is_environment && !spheres.is_empty()).then(|| ProjectionDisc::around(spheres, light));
+            let is_infinite = is_environment || light.kind == Light::DIRECTIONAL;
+            let disc = (is_infinite && !spheres.is_empty()).then(|| ProjectionDisc::around(spheres, light));
             // The share of its photons that start in the cells so far.
             let of_disc = disc.map_or(1.0, |disc| disc.share(light));
             let part = |target: &ProjectionTarget| of_disc * in_cells(light, target);
-            let counts = |target: &ProjectionTarget| if is_environment { power } else { power * part(target) };
+            let rare = if is_environment { Self::RARE } else { 1.0 };
+            let counts = |target: &ProjectionTarget| power * (part(target) / rare).min(1.0);
             projection.cells.extend(disc.iter().flat_map(ProjectionDisc::words));
             let first = projection.cells.len() as u32;
             let mut target = ProjectionTarget {
@@ -273,10 +279,10 @@ impl ProjectionMap {
         &self.starts
     }
 
-    /// The disc through which the aimed photons of an environment start.
+    /// The disc through which the aimed photons of a light that is infinitely far away start.
     ///
     /// # Panics
-    /// May panic if `target` is not that of an environment: before the cells of others are no words of a disc.
+    /// May panic if `target` is that of another light: before its cells are no words of a disc.
     #[inline]
     #[must_use]
     pub fn disc(&self, target: &ProjectionTarget) -> ProjectionDisc {
@@ -284,7 +290,7 @@ impl ProjectionMap {
         ProjectionDisc::from_words(std::array::from_fn(|i| self.cells[first - 4 + i]))
     }
 
-    /// The marked cells of all targets, and the words of the disc of an environment. From the lowest bit of a cell: two numbers of
+    /// The marked cells of all targets, and the words of discs. From the lowest bit of a cell: two numbers of
     /// [`ProjectionTarget::direction_bits`] each, the second first; two of [`ProjectionTarget::point_bits`]
     /// each, likewise; one bit for the side.
     #[must_use]
@@ -332,6 +338,13 @@ fn environment_share(scene: &SceneView<'_>) -> f64 {
     let all: f64 = scene.lights.iter().map(power_of).sum();
     let environments = scene.lights.iter().filter(|light| light.kind == Light::ENVIRONMENT);
     environments.map(power_of).sum::<f64>() / all.max(f64::MIN_POSITIVE)
+}
+
+/// Whether the disc of an environment's aimed photons is so small that it does not count as a whole.
+fn is_rare(scene: &SceneView<'_>) -> bool {
+    let Some(sphere) = clusters::whole(scene, &|material| reflects(material, scene)) else { return false };
+    let mut environments = scene.lights.iter().filter(|light| light.kind == Light::ENVIRONMENT);
+    environments.all(|light| ProjectionDisc::around(&[sphere], light).share(light) < ProjectionMap::RARE)
 }
 
 /// Whether a surface reflects or refracts like a mirror.

@@ -152,6 +152,18 @@ fn environments_are_aimed_where_they_are_asked_to_be() {
     };
     use CausticPhotons::{Aimed, Auto};
     assert_eq!(chosen(50.0, Auto, Indirect::Map), Err(NoProjection::Environment));
+    // A tiny mirror, which other paths would hardly ever find.
+    let mut plain = Tables::new();
+    plain.lights.truncate(1);
+    plain.lights[0] = Light { kind: Light::ENVIRONMENT, power: [50.0; 3], radius: 0.9, ..Light::default() };
+    plain.starts = light_cdf(&[50.0]);
+    for at in &mut plain.positions[3..] {
+        *at = [0.05 * at[0], at[1], 0.05 * at[2]];
+    }
+    let settings = Settings { photons: 100, ..Settings::default() };
+    let view = SceneView { environment: Some(&map), ..plain.view() };
+    let found = ProjectionMap::chosen(&view, &settings, &Requirements::everything(&settings));
+    assert_eq!(found.map(|(_, paths)| paths), Ok(25));
     assert_eq!(chosen(50.0, Auto, Indirect::None), Ok(100));
     assert_eq!(chosen(50.0, Aimed(9), Indirect::Map), Ok(9));
     // Half of the light in both spot and point lights, of which cells are marked: more of it is an environment, of which

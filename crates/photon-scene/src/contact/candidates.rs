@@ -6,7 +6,7 @@ use glam::Vec3;
 use photon_core::parallel;
 
 use super::Source;
-use super::cells::{Frame, Run, facing};
+use super::cells::{Frame, Range3, Run};
 use crate::mesh::Mesh;
 use crate::normalise::Geometry;
 
@@ -88,30 +88,44 @@ struct Class {
     is_solid: bool,
 }
 
-/// The triangles of a part of a mesh, in runs that are not larger than `extent`.
+/// The triangles of a part of a mesh, in runs of which those of several triangles are not larger than `extent`.
 fn runs(geometry: &Geometry, part: Range<usize>, class: Class, (extent, reach): (f32, f32)) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::with_capacity(part.len() / 4);
-    for triangle in part {
-        let next = run(geometry, triangle as u32, class, reach);
-        let is_joined = runs.last_mut().is_some_and(|run| run.triangles.len() < RUN && run.joined(&next, extent));
-        if !is_joined {
-            runs.push(next);
+    let mut runs = Vec::with_capacity(part.len() / 4);
+    let (mut first, mut around, mut normals) = (part.start, Range3::EMPTY, Range3::EMPTY);
+    for triangle in part.clone() {
+        let (own, normal) = (bounds(geometry, triangle), normal(geometry, triangle, class));
+        let joined = around.join(own);
+        if triangle - first == RUN || triangle > first && (joined.high - joined.low).max_element() > extent {
+            runs.push(Run::new(first..triangle, around, normals, class.id, reach));
+            (first, around, normals) = (triangle, own, normal);
+        } else {
+            (around, normals) = (joined, normals.join(normal));
         }
+    }
+    if first < part.end {
+        runs.push(Run::new(first..part.end, around, normals, class.id, reach));
     }
     runs
 }
 
+/// A triangle as a run.
 fn run(geometry: &Geometry, triangle: u32, class: Class, reach: f32) -> Run {
-    let corners = geometry.triangles[triangle as usize];
-    let [a, b, c] = corners.map(|at| Vec3::from_array(geometry.positions[at as usize]));
-    let margin = Vec3::splat(reach);
-    Run {
-        triangles: triangle..triangle + 1,
-        low: a.min(b).min(c) - margin,
-        high: a.max(b).max(c) + margin,
-        class: class.id,
-        faces: if class.is_solid { facing(geometry.primitives[triangle as usize].0) } else { 0 },
+    let at = triangle as usize;
+    Run::new(at..at + 1, bounds(geometry, at), normal(geometry, at, class), class.id, reach)
+}
+
+fn bounds(geometry: &Geometry, triangle: usize) -> Range3 {
+    let [a, b, c] = geometry.triangles[triangle].map(|at| Vec3::from_array(geometry.positions[at as usize]));
+    Range3 { low: a.min(b).min(c), high: a.max(b).max(c) }
+}
+
+/// The normal, if another triangle of the class may touch this one.
+fn normal(geometry: &Geometry, triangle: usize, class: Class) -> Range3 {
+    if !class.is_solid {
+        return Range3::EMPTY;
     }
+    let normal = Vec3::from_array(geometry.primitives[triangle].0);
+    Range3 { low: normal, high: normal }
 }
 
 #[cfg(test)]

@@ -18,43 +18,62 @@ const SMALL: f32 = 4.0;
 /// Number of pieces of large triangles in addition to one for each triangle.
 const PIECES: f32 = 65536.0;
 
+/// A box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Range3 {
+    pub(super) low: Vec3,
+    pub(super) high: Vec3,
+}
+
+impl Range3 {
+    pub(super) const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+
+    /// The box around both.
+    pub(super) fn join(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+}
+
 /// Consecutive triangles of one mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Run {
     pub(super) triangles: Range<u32>,
     /// Its bounding box, padded so that the boxes of triangles that coincide overlap.
-    pub(super) low: Vec3,
-    pub(super) high: Vec3,
+    low: Vec3,
+    high: Vec3,
     /// Triangles of other classes may touch it.
-    pub(super) class: u32,
+    class: u32,
     /// Directions of its normals, if those of its class may touch it: [`facing`].
-    pub(super) faces: u16,
+    faces: u16,
 }
 
 impl Run {
-    /// Adds the next run to this one, unless it then exceeds `extent`. Returns whether it did.
-    pub(super) fn joined(&mut self, next: &Self, extent: f32) -> bool {
-        let (low, high) = (self.low.min(next.low), self.high.max(next.high));
-        let fits = (high - low).max_element() <= extent;
-        if fits {
-            *self = Self { triangles: self.triangles.start..next.triangles.end, low, high, ..*self };
-            self.faces |= next.faces;
+    /// Triangles of a class in a box, with a box of their normals; they may touch others up to a distance of `reach`.
+    pub(super) fn new(triangles: Range<usize>, around: Range3, normals: Range3, class: u32, reach: f32) -> Self {
+        let margin = Vec3::splat(reach);
+        Self {
+            triangles: triangles.start as u32..triangles.end as u32,
+            low: around.low - margin,
+            high: around.high + margin,
+            class,
+            faces: facing(normals),
         }
-        fits
     }
 }
 
-/// Axes along which a normal is: three bits each for its largest component if positive, and if negative; and for all
-/// components that are clearly positive, and clearly negative. Of normals that enclose more than 154°, one has a bit of
-/// the former kind and the other one the opposite bit of the latter kind.
-pub(super) fn facing(normal: [f32; 3]) -> u16 {
+/// Axes along which normals are: three bits each for components that may be the largest one of a normal, if positive and if
+/// negative; and for those that are clearly positive, and clearly negative. Of two normals that enclose more than 154°, one
+/// has a bit of the former kind, and the other one the opposite bit of the latter kind.
+fn facing(normals: Range3) -> u16 {
     // The largest component is at least 0.577, and that of a normal which deviates by 0.447 from the opposite one 0.13.
-    const CLEAR: f32 = 0.125;
-    let largest = normal.iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
-    (0..3).map(|axis| (normal[axis], axis)).fold(0, |bits, (x, axis)| {
-        let of = |is_set: bool, place: usize| u16::from(is_set) << (place + axis);
-        bits | of(x == largest, 0) | of(-x == largest, 3) | of(x > CLEAR, 6) | of(x < -CLEAR, 9)
-    })
+    let (largest, clear) = (Vec3::splat(0.577), Vec3::splat(0.125));
+    let bits = [
+        normals.high.cmpge(largest),
+        normals.low.cmple(-largest),
+        normals.high.cmpgt(clear),
+        normals.low.cmplt(-clear),
+    ];
+    bits.iter().rev().fold(0, |all, axes| all << 3 | axes.bitmask() as u16)
 }
 
 /// A cell: its class, and the union of the directions of normals.

@@ -100,7 +100,7 @@ impl Patch<'_> {
             // Each reaches into the other, so that there is no gap.
             (true, true) if self.is_up != other.is_up => other.is_up,
             // A thin layer is in front of what it lies on, unless it is clearly behind.
-            _ if self.is_thin != other.is_thin && height.abs() > CLEAR => height > 0.0,
+            _ if (self.is_thin || other.is_thin) && height.abs() > CLEAR => height > 0.0,
             _ if self.is_thin && !other.is_thin => !other.is_up,
             _ if !self.is_thin && other.is_thin => self.is_up,
             // The outer one, which is entered first, is that which applies where both are; of equals the larger one, so

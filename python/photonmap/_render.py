@@ -201,7 +201,7 @@ def _threads_of_worker(executor: Any) -> int:
 
 def _size(size: Any) -> tuple[int, int]:
     try:
-        width, height = (size, size) if isinstance(size, int) else size
+        width, height = (size, size) if isinstance(size, (int, float)) else size
         return _whole("size", width, 2**31), _whole("size", height, 2**31)
     except (TypeError, ValueError) as why:
         if isinstance(why, InputError):
@@ -211,7 +211,8 @@ def _size(size: Any) -> tuple[int, int]:
 
 def _whole(name: str, value: Any, most: int) -> int:
     try:
-        number = operator.index(value)
+        # 1e5 is a float.
+        number = int(value) if isinstance(value, float) and value.is_integer() else operator.index(value)
     except TypeError:
         number = 0
     if not 1 <= number <= most:

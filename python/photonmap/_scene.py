@@ -307,6 +307,8 @@ def _limit(memory: int | None) -> int | None:
     """A number of bytes that fits into 64 bits."""
     if memory is None:
         return None
+    if isinstance(memory, float) and memory.is_integer():
+        memory = int(memory)
     if isinstance(memory, bool) or not isinstance(memory, (int, np.integer)) or not 0 < memory < 2**64:
         raise InputError(f"memory is {memory!r}, but must be a whole number of bytes above 0, or None")
     return int(memory)

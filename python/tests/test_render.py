@@ -231,6 +231,15 @@ def test_the_memory_of_a_render_limits_reading_its_scene(tmp_path):
         pm.render(**job, memory=1000)
 
 
+def test_counts_may_be_floats_without_a_fraction():
+    job = dict(photons=1000, device="cpu")
+    whole = pm.render("cornell", size=(8, 8), passes=1, **job)
+    np.testing.assert_array_equal(pm.render("cornell", size=(8.0, 8), passes=1.0, **job).beauty, whole.beauty)
+    for count in ["passes", "threads"]:
+        with pytest.raises(pm.InputError, match=f"{count} is 1.5, but must be a whole number"):
+            pm.render("cornell", **{**job, "size": 8, "passes": 1, count: 1.5})
+
+
 @pytest.mark.parametrize("wrong", [0, -1, 1.5, float("nan"), True, "1 GB", 2**64])
 def test_limits_that_are_no_number_of_bytes(tmp_path, wrong):
     with pytest.raises(pm.InputError, match="memory is .* whole number of bytes"):

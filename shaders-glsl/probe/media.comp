@@ -13,7 +13,8 @@ layout(constant_id = 3) const uint MEDIA = 1u;
 #include "probe/probe.glsl"
 #include "shading/media.glsl"
 
-// Two stacks, a medium and a distance; a material and whether its front is hit; address of the scene.
+// Two stacks, a medium and a distance; a material and whether its front is hit; a random word, a wavelength and the
+// address of the scene.
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     SceneRef scene = SceneRef(words.c.zw);
     uint stack = words.a.x, other = words.a.y, medium = words.a.z;
@@ -34,7 +35,17 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
             return Output(
                 uvec4(sides.before, sides.transmitted, uint(sides.is_active), uint(sides.is_too_deep)), uvec4(0u));
         case 3u: return floats(vec4(sides.eta, 0.0, 0.0, 0.0), vec4(0.0));
-        case 4u: return floats(vec4(radiance_scale(scene, stack, other), 0.0, 0.0, 0.0), vec4(0.0));
+        case 4u: return floats(vec4(radiance_scale(scene, stack, other, words.c.y), 0.0, 0.0, 0.0), vec4(0.0));
+        case 6u: {
+            bool disperses = media_is_dispersive(scene, sides);
+            return floats(vec4(media_index(scene, stack, words.c.y), float(disperses), 0.0, 0.0), vec4(0.0));
+        }
+        case 7u: {
+            vec3 power = vec3(a.w, b.z, 0.25);
+            uint wavelength = NO_WAVELENGTH;
+            media_disperse(scene, sides, wavelength, power, words.c.x);
+            return floats(vec4(float(wavelength), power), vec4(sides.eta, 0.0, 0.0, 0.0));
+        }
         default: return floats(vec4(transmittance(scene, stack, a.w), 0.0), vec4(0.0));
     }
 }

@@ -24,6 +24,11 @@ const uint LIGHT_ENVIRONMENT = 4u;
 
 // MediaFeatures: bits of a specialization constant.
 const uint MEDIA_NESTED = 1u;
+const uint MEDIA_DISPERSION = 2u;
+
+// Medium::dispersion.
+const uint MEDIUM_CAUCHY = 1u;
+const uint MEDIUM_SELLMEIER = 2u;
 
 // Light::flags.
 const uint LIGHT_BOTH_SIDES = 1u;
@@ -95,6 +100,7 @@ const uint DOMAIN_SHADOW = 2u;
 const uint DOMAIN_GATHER = 3u;
 const uint DOMAIN_AREA = 4u;
 const uint DOMAIN_AIMED = 5u;
+const uint DOMAIN_WAVELENGTH = 9u;
 
 // Blocks of dimensions.
 const uint BLOCK_LIGHT = 0u;
@@ -102,6 +108,7 @@ const uint BLOCK_START = 1u;
 const uint BLOCK_SURFACES = 2u;
 const uint BLOCK_LIGHTS = 1073741824u;
 const uint BLOCK_LIGHT_SIDES = 1610612736u;
+const uint WAVELENGTH_STEP = 2654435769u;
 
 // Kernel::number.
 const uint KERNEL_CONSTANT = 0u;
@@ -190,6 +197,11 @@ const float GGX_MIN_ALPHA = 0.0010000000474974513;
 // rough_glass, RoughGlassTable.
 const float ROUGH_GLASS_MIN_CONTRAST = 9.999999747378752e-5;
 const uint ROUGH_GLASS_STRIDE = 1056u;
+
+// Spectrum.
+const uint SPECTRUM_CELLS = 256u;
+const float SPECTRUM_FIRST = 0.3799999952316284;
+const float SPECTRUM_STEP = 0.0015625000232830644;
 
 // AlbedoTable.
 const uint ALBEDO_TABLE_SIZE = 32u;

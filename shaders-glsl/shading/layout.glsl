@@ -77,7 +77,9 @@ struct Medium {
     vec3 absorption;
     float ior;
     uint priority;
-    uint reserved[11];
+    uint dispersion;
+    float terms[6];
+    uint reserved[4];
 };
 
 struct Light {

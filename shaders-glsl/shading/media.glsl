@@ -4,10 +4,13 @@
 
 #include "shading/constants.glsl"
 #include "shading/layout.glsl"
+#include "shading/random.glsl"
 #include "shading/scene.glsl"
+#include "shading/spectrum.glsl"
 
 // The including kernel declares MEDIA, a specialization constant: the bits of MediaFeatures.
 const bool NESTED = (MEDIA & MEDIA_NESTED) != 0u;
+const bool DISPERSION = (MEDIA & MEDIA_DISPERSION) != 0u;
 
 // A stack of media: one byte each, the most recently entered one lowest. 0: in no medium.
 const uint VACUUM = 0u;
@@ -82,9 +85,45 @@ Interface media_interface(SceneRef scene, Material material, bool front, uint he
     return Interface(eta, front ? here : solid, front ? solid : VACUUM, true, false);
 }
 
-// Factor on radiance in the medium of `at` when it is observed in that of `from`.
-float radiance_scale(SceneRef scene, uint from, uint at) {
+// Whether the refractive index of either side depends on the wavelength.
+bool media_is_dispersive(SceneRef scene, Interface sides) {
+    if (sides.before == sides.transmitted || !sides.is_active) return false;
+    return scene.media[media_current(scene, sides.before)].at.dispersion != 0u
+        || scene.media[media_current(scene, sides.transmitted)].at.dispersion != 0u;
+}
+
+// In a function, as the quotients above.
+float sellmeier_term(float b, float c, float squared) {
+    precise float term = b * squared / (squared - c);
+    return term;
+}
+
+// Refractive index at a wavelength of the medium that applies.
+float media_index(SceneRef scene, uint stack, uint wavelength) {
+    Medium medium = scene.media[media_current(scene, stack)].at;
+    if (medium.dispersion == 0u || wavelength == NO_WAVELENGTH) return medium.ior;
+    float length = wavelength_micrometres(wavelength);
+    float squared = length * length;
+    if (medium.dispersion == MEDIUM_CAUCHY) return max(medium.terms[0] + medium.terms[1] / squared, 1.0);
+    float sum = sellmeier_term(medium.terms[0], medium.terms[3], squared)
+        + sellmeier_term(medium.terms[1], medium.terms[4], squared)
+        + sellmeier_term(medium.terms[2], medium.terms[5], squared);
+    return sqrt(max(1.0 + sum, 1.0));
+}
+
+// Makes an interface that of the wavelength of a path, which is drawn by `word` if it has none; `power` is then divided.
+void media_disperse(SceneRef scene, inout Interface sides, inout uint wavelength, inout vec3 power, uint word) {
+    if (wavelength == NO_WAVELENGTH) wavelength = spectrum_draw(scene, power, unit_f32(word));
+    sides.eta = index_quotient(
+        media_index(scene, sides.transmitted, wavelength), media_index(scene, sides.before, wavelength));
+}
+
+// Factor on radiance in the medium of `at` when light of a wavelength is observed in that of `from`.
+float radiance_scale(SceneRef scene, uint from, uint at, uint wavelength) {
     if (from == at) return 1.0;
+    if (DISPERSION) {
+        return index_quotient_squared(media_index(scene, from, wavelength), media_index(scene, at, wavelength));
+    }
     return index_quotient_squared(
         scene.media[media_current(scene, from)].at.ior, scene.media[media_current(scene, at)].at.ior);
 }

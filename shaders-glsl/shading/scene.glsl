@@ -118,6 +118,12 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Li
     LightTrails trails;
 };
 
+// A cell of the spectrum: SpectrumCell of photon-core.
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer SpectrumCells {
+    vec3 share;
+    vec3 cumulative;
+};
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
     WideNodes nodes;
     Corners corners;
@@ -135,6 +141,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     EnvironmentRef environment;
     // 0 in a scene of few lights.
     LightTreeRef light_tree;
+    // 0 in a scene whose media do not disperse light.
+    SpectrumCells spectrum;
 };
 
 #include "shading/alpha.glsl"

@@ -76,7 +76,7 @@ struct Path {
     vec3 throughput;
     uint media;
     uint surfaces;
-    // Number of total reflections.
+    // Number of total reflections; with DISPERSION also the wavelength << 16.
     uint total;
     uint splits;
     // Index of this path among the pixel's paths; a key of random numbers.
@@ -93,9 +93,16 @@ struct Path {
 // Whether light that the path finds is not counted in full: where shadow rays or photons find it too.
 bool weighs_lights(Path path) { return path.reflected_pdf > 0.0 || (ALL_LIGHTS && path.shows_all); }
 
+uint wavelength_of(Path path) {
+    if (DISPERSION) return path.total >> 16;
+    return NO_WAVELENGTH;
+}
+
 // Whether a path that is to go on has met as many surfaces as it may, or is trapped; it is counted.
 bool truncates(Path path) {
-    bool is_trapped = GLASS && path.total > most_total_reflections(push.max_bounces);
+    uint total = path.total;
+    if (DISPERSION) total &= 0xFFFFu;
+    bool is_trapped = GLASS && total > most_total_reflections(push.max_bounces);
     if (path.surfaces < push.max_bounces && !is_trapped) return false;
     count_one(push.truncated);
     return true;
@@ -249,10 +256,17 @@ void main() {
             if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
                 path.throughput *= transmittance(push.scene, sides.before, at.t);
             }
+            if (DISPERSION && media_is_dispersive(push.scene, sides)) {
+                uint key = (pixel << PATHS_LOG2) + path.branch;
+                uint drawn = wavelength_word(push.seed, push.pass, DOMAIN_EYE, key, 0u);
+                uint wavelength = wavelength_of(path);
+                media_disperse(push.scene, sides, wavelength, path.throughput, drawn);
+                path.total = path.total & 0xFFFFu | wavelength << 16;
+            }
             if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && !REFLECTIONS && material.emission != vec3(0.0)
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
                 vec3 throughput = path.throughput;
-                if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before, wavelength_of(path));
                 if (FOLLOWED && weighs_lights(path)) {
                     throughput *= found_share(path, light_of_triangle(push.scene, hit.primitive), at.t);
                 }
@@ -268,7 +282,7 @@ void main() {
             uint rule = scattering_at(material, sides);
             if (GLOSSY && rule == SCATTERING_GLOSSY) {
                 vec3 seen = path.throughput;
-                if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before, wavelength_of(path));
                 Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, false);
                 if (ALL_LIGHTS) {
                     float least = uintBitsToFloat(CAUSTIC_ROUGHNESS);
@@ -290,7 +304,7 @@ void main() {
                 Bsdf bsdf = bsdf_new(material, at.cosine, sides);
                 if (bsdf.kind == MATERIAL_LAMBERT) {
                     vec3 throughput = path.throughput;
-                    if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before);
+                    if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before, wavelength_of(path));
                     throughput = throughput * bsdf.albedo * 0.318309886;
                     uvec2 media_coat = uvec2(sides.before, 0u);
                     if (!REFLECTIONS) leave_query(path, pixel, at, offset, normal, media_coat, 0u, throughput, found);
@@ -309,7 +323,7 @@ void main() {
         }
         if (ENVIRONMENT && escaped && !REFLECTIONS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
-            if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
+            if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media, wavelength_of(path));
             if (FOLLOWED && weighs_lights(path)) {
                 // It is among the last lights.
                 uint index = push.scene.light_count;
@@ -321,7 +335,7 @@ void main() {
         // Shadow rays and photons find the sun for paths with glossy surfaces.
         if (SUN && escaped && !REFLECTIONS && !(HIDES_BACKGROUND && path.surfaces == 0) && path.reflected_pdf == 0.0) {
             vec3 throughput = path.throughput;
-            if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media);
+            if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media, wavelength_of(path));
             emission += throughput * sun_radiance(push.scene, path.ray.direction);
         }
         if (!alive && waits > 0) {

@@ -34,7 +34,7 @@ vec3 light_through(Path path, uint pixel, Surface at, vec3 offset, vec3 normal, 
         value *= transmittance(push.scene, media, found.ray.t_max);
     }
     share *= of_side;
-    return path.throughput * radiance_scale(push.scene, push.camera.at.media, media) * value
+    return path.throughput * radiance_scale(push.scene, push.camera.at.media, media, wavelength_of(path)) * value
         * (balance(found.pdf * share, scattered.pdf) / share);
 }
 

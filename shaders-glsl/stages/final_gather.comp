@@ -69,6 +69,7 @@ void main() {
     bool counts = throughput.x > 0.0;
     uint start = GLASS ? push.queries[from].at.media : VACUUM;
     uint media = start;
+    uint wavelength = NO_WAVELENGTH;
     Query landing =
         Query(vec3(NOWHERE), 1.0, normal, from, vec3(0.0), 0u, 0u, key, 0u, 0u);
     Hit hit;
@@ -89,6 +90,10 @@ void main() {
         Interface sides = media_interface(push.scene, material, at.front, media);
         if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
             throughput *= transmittance(push.scene, sides.before, at.t);
+        }
+        if (DISPERSION && media_is_dispersive(push.scene, sides)) {
+            uint drawn = wavelength_word(push.seed, push.pass, DOMAIN_GATHER, key, index);
+            media_disperse(push.scene, sides, wavelength, throughput, drawn);
         }
         uint rule = scattering_at(material, sides);
         // The bounce's random numbers, if they are needed.
@@ -158,7 +163,7 @@ void main() {
         // Radiance is irradiance times albedo over π; the π cancels.
         landing.position = at.point;
         landing.normal = at.normal;
-        if (GLASS) throughput *= radiance_scale(push.scene, start, sides.before);
+        if (GLASS) throughput *= radiance_scale(push.scene, start, sides.before, wavelength);
         landing.throughput = throughput * albedo;
         landing.media = sides.before;
         if (SHADING_NORMALS) landing.shading_normal = octahedral_pack(facing);

@@ -59,7 +59,8 @@ struct State {
     vec3 direction;
     uint media;
     vec3 power;
-    // Flags: only specular surfaces so far; a fifth nested solid was ignored; number of total reflections << 2.
+    // Flags: only specular surfaces so far; a fifth nested solid was ignored; number of total reflections << 2; the
+    // wavelength << 16.
     uint flags;
     // Number of photons stored in each map so far.
     uint stored[MAP_COUNT];
@@ -131,6 +132,7 @@ struct Path {
     vec3 power;
     uint bounce;
     uint media;
+    uint wavelength;
     bool specular_only;
     bool too_deep;
     // Number of total reflections.
@@ -161,6 +163,7 @@ Path begin(uint number) {
         path.power = start.power;
         path.bounce = 0u;
         path.media = start.media;
+        path.wavelength = NO_WAVELENGTH;
         path.specular_only = true;
         path.too_deep = false;
         path.total = 0u;
@@ -176,6 +179,11 @@ Path begin(uint number) {
     path.specular_only = (state.flags & 1u) != 0u;
     path.too_deep = NESTED && (state.flags & 2u) != 0u;
     path.total = state.flags >> 2;
+    path.wavelength = NO_WAVELENGTH;
+    if (DISPERSION) {
+        path.total &= 0x3FFFu;
+        path.wavelength = state.flags >> 16;
+    }
     path.stored = state.stored;
     return path;
 }
@@ -188,6 +196,7 @@ void keep(Path path) {
     state.media = path.media;
     state.power = path.power;
     state.flags = (path.specular_only ? 1u : 0u) | (path.too_deep ? 2u : 0u) | (path.total << 2);
+    if (DISPERSION) state.flags |= path.wavelength << 16;
     state.stored = path.stored;
     state.numbers = path.numbers.state;
     push.chunk.states[path.index].at = state;
@@ -252,6 +261,11 @@ uint step_path(inout Path path, Hit hit) {
     Interface sides = media_interface(push.scene, material, at.front, path.media);
     if (ABSORPTION && sides.before != VACUUM) {
         path.power = photon_times(path.power, transmittance(push.scene, sides.before, at.t));
+    }
+    if (DISPERSION && media_is_dispersive(push.scene, sides)) {
+        Sampler s = path.numbers;
+        uint word = wavelength_word(s.key, s.pass, s.domain, s.path, 0u);
+        media_disperse(push.scene, sides, path.wavelength, path.power, word);
     }
     uvec4 words = sampler_words(path.numbers, BLOCK_SURFACES + path.bounce);
     float choice = unit_f32(words.x);

@@ -22,6 +22,7 @@ pub mod determinism;
 pub mod dielectrics;
 pub mod diffuse_transmission;
 pub mod direct;
+pub mod dispersion;
 pub mod display;
 pub mod edges;
 pub mod environment;
@@ -151,6 +152,10 @@ macro_rules! whole_suite {
                 light_through_an_absorber, light_in_an_absorber,
             }
             touching::{ glass_on_a_floor, layers_in_contact, clear_layers_in_even_light }
+            dispersion::{
+                p22_prism, p24_slab, even_light_stays_white, gathered_light_stays_white,
+                dispersion_is_required_where_it_is,
+            }
             nesting::{
                 p20_glass_on_water, camera_in_three_solids, light_in_two_solids, a_fifth_solid_is_counted,
                 nesting_is_required_where_it_is,

@@ -7,10 +7,12 @@ mod library;
 
 use std::fs;
 
-use photon_core::random::{BLOCK_LIGHT, BLOCK_LIGHT_SIDES, BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain};
+use photon_core::random::{
+    BLOCK_LIGHT, BLOCK_LIGHT_SIDES, BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain, WAVELENGTH_STEP,
+};
 use photon_core::{
     Camera, Estimate, Features, Filter, Kernel, Layer, Light, MapKind, Material, MaterialKind, MaterialTextures,
-    MediaFeatures, QUERIES_PER_PIXEL, RandomKind, ShadingTables, TexelFormat, Wrap,
+    MediaFeatures, Medium, QUERIES_PER_PIXEL, RandomKind, ShadingTables, TexelFormat, Wrap,
 };
 
 use self::file::{Group, compare, text};
@@ -48,7 +50,14 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("LIGHT_ENVIRONMENT", Light::ENVIRONMENT),
             ],
         ),
-        ("MediaFeatures: bits of a specialization constant.", vec![("MEDIA_NESTED", MediaFeatures::NESTED.bits())]),
+        (
+            "MediaFeatures: bits of a specialization constant.",
+            vec![
+                ("MEDIA_NESTED", MediaFeatures::NESTED.bits()),
+                ("MEDIA_DISPERSION", MediaFeatures::DISPERSION.bits()),
+            ],
+        ),
+        ("Medium::dispersion.", vec![("MEDIUM_CAUCHY", Medium::CAUCHY), ("MEDIUM_SELLMEIER", Medium::SELLMEIER)]),
         ("Light::flags.", vec![("LIGHT_BOTH_SIDES", Light::BOTH_SIDES)]),
         (
             "Camera::kind.",
@@ -126,6 +135,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("DOMAIN_GATHER", Domain::Gather as u32),
                 ("DOMAIN_AREA", Domain::Area as u32),
                 ("DOMAIN_AIMED", Domain::Aimed as u32),
+                ("DOMAIN_WAVELENGTH", Domain::Wavelength as u32),
             ],
         ),
         (
@@ -136,6 +146,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("BLOCK_SURFACES", BLOCK_SURFACES),
                 ("BLOCK_LIGHTS", BLOCK_LIGHTS),
                 ("BLOCK_LIGHT_SIDES", BLOCK_LIGHT_SIDES),
+                ("WAVELENGTH_STEP", WAVELENGTH_STEP),
             ],
         ),
         (

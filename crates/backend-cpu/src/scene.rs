@@ -4,11 +4,12 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use photon_core::glam::Vec3;
+use photon_core::random::unit_f32;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, LightGroups, Material, MediaFeatures, Medium,
     MediumStack, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded,
-    SkipLimit, Solids, SurfaceInteraction, alpha, interface, math, memory, offset, radiance_scale, roughest_caustic,
-    shadow_terminator,
+    SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, interface, math, memory, offset,
+    radiance_scale, roughest_caustic, shadow_terminator,
 };
 use photon_scene::AccelError;
 use rayon::prelude::*;
@@ -42,6 +43,8 @@ pub struct CpuScene {
     /// media.
     light_media: Vec<[MediumStack; 2]>,
     pub(crate) nested: bool,
+    /// Whether some refractive index depends on the wavelength.
+    pub(crate) disperses: bool,
     /// Vertex attributes and textures; `None` in a scene without any, and without alpha.
     shading: Option<Box<CpuShading>>,
     /// Empty in a scene without rough solids.
@@ -112,6 +115,7 @@ impl CpuScene {
             media: view.media.to_vec(),
             light_media,
             nested,
+            disperses: solids.features().contains(MediaFeatures::DISPERSION),
             shading: CpuShading::new(view, present),
             rough_glass: RoughGlassTable::new(view)?,
             with_alpha: with_alpha(view, present),
@@ -325,6 +329,25 @@ impl CpuScene {
         interface(&self.media, material, surface.front, media, nested)
     }
 
+    /// Makes `interface` that of the wavelength of a path, if refraction depends on it there. A path without one draws it by
+    /// a random word, which divides its power, or the throughput of a camera path.
+    #[inline]
+    pub(crate) fn disperse(
+        &self,
+        interface: &mut Interface,
+        wavelength: &mut Wavelength,
+        power: &mut Vec3,
+        word: impl FnOnce() -> u32,
+    ) {
+        if !interface.is_dispersive(&self.media) {
+            return;
+        }
+        if !wavelength.is_drawn() {
+            *wavelength = Spectrum::get().draw(power, unit_f32(word()));
+        }
+        *interface = interface.at_wavelength(&self.media, *wavelength);
+    }
+
     /// Transmittance per channel after `distance` in `media` (Beer–Lambert law).
     #[inline]
     pub(crate) fn transmittance(&self, media: MediumStack, distance: f32) -> Vec3 {
@@ -343,8 +366,8 @@ impl CpuScene {
 
     /// [`radiance_scale`] with the media of the scene.
     #[inline]
-    pub(crate) fn radiance_scale(&self, from: MediumStack, at: MediumStack) -> f32 {
-        radiance_scale(&self.media, from, at)
+    pub(crate) fn radiance_scale(&self, from: MediumStack, at: MediumStack, wavelength: Wavelength) -> f32 {
+        radiance_scale(&self.media, from, at, wavelength)
     }
 
     /// The media in which photons from a light start, on its front or on its back.

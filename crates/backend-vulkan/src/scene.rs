@@ -5,8 +5,8 @@ use std::time::Instant;
 use bytemuck::{Pod, Zeroable};
 use photon_core::glam::Vec3;
 use photon_core::{
-    Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, light_probability, offset,
-    parallel,
+    Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, Spectrum, light_probability,
+    offset, parallel,
 };
 use photon_scene::CompressedTree;
 
@@ -54,6 +54,7 @@ struct Record {
     shading: u64,
     environment: u64,
     light_tree: u64,
+    spectrum: u64,
 }
 
 /// `Emission` of scene.glsl.
@@ -126,6 +127,11 @@ impl VulkanScene {
             shading,
             environment: environment::upload(&mut upload, view)?,
             light_tree: if lit_by_tree { light_tree::upload(&mut upload, view)? } else { 0 },
+            spectrum: if solids.features().contains(MediaFeatures::DISPERSION) {
+                upload.table("media", Spectrum::get().cells())?
+            } else {
+                0
+            },
         };
         let portals = match view.portals {
             [] => 0,

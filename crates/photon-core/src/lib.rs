@@ -95,6 +95,7 @@ pub use shading::rough_glass_table::RoughGlassTable;
 pub use shading::scattering::{Scattering, Vertex};
 pub use shading::shade::{Shaded, Shading};
 pub use shading::sheen_lobe::SheenTable;
+pub use shading::spectrum::{Spectrum, SpectrumCell, Wavelength};
 pub use shading::{
     alpha, anisotropy, area, clearcoat, cosine_warp, fresnel, ggx, gloss_caustics, glossy, light_sampler, light_tree,
     math, octahedral, offset, partial_transmission, photon_sample, portals, random, rough_glass, sampling, shade,

@@ -1,6 +1,6 @@
 //! [`SceneBuilder`]: assembles a scene from materials, meshes, lights and cameras.
 
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc};
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc, warn_of_clamped_indices};
 use crate::environment::{EnvironmentDesc, Sun};
 use crate::error::SceneError;
 use crate::mesh::{Mesh, VertexAttributes};
@@ -206,6 +206,7 @@ impl SceneBuilder {
         let mut warnings = Vec::new();
         frame.warn(&mut warnings);
         solids::warn(&geometry, &self.materials, &mut warnings);
+        warn_of_clamped_indices(&self.materials, &mut warnings);
         let touching = contact::Source {
             meshes: &self.meshes,
             materials: &self.materials,

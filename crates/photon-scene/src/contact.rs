@@ -20,13 +20,16 @@ use std::collections::HashMap;
 
 use photon_core::{offset, parallel};
 
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::{Dispersion, MaterialDesc, Surface};
 use crate::mesh::Mesh;
 use crate::normalise::Geometry;
 use pairs::{Contact, Overlap, REACH, corners};
 use planes::Touching;
 use shift::{GAP, Raised};
 use warnings::Findings;
+
+/// Refractive index, absorption, priority and dispersion of a solid.
+type SolidMedium = (f64, [f64; 3], u32, Option<Dispersion>);
 
 /// The scene that is separated.
 #[derive(Clone, Copy)]
@@ -108,11 +111,11 @@ impl Source<'_> {
         &self.materials[self.meshes[mesh].material.0 as usize]
     }
 
-    /// Medium of the solid that a mesh bounds: index, absorption and priority.
-    fn medium(&self, mesh: usize) -> Option<(f64, [f64; 3], u32)> {
+    /// Medium of the solid that a mesh bounds.
+    fn medium(&self, mesh: usize) -> Option<SolidMedium> {
         let desc = self.material(mesh);
         let of = |surface: &Surface| match *surface {
-            Surface::Dielectric { ior, absorption, .. } => Some((ior, absorption, desc.priority)),
+            Surface::Dielectric { ior, absorption, .. } => Some((ior, absorption, desc.priority, desc.dispersion)),
             _ => None,
         };
         of(&desc.surface).or_else(|| desc.transmitting_surface().as_ref().and_then(of))

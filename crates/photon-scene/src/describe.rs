@@ -4,9 +4,12 @@
 //! (called a metre here).
 
 mod camera;
+mod dispersion;
 mod light;
 
 pub use self::camera::{CameraDesc, Projection, ThinLens};
+pub use self::dispersion::Dispersion;
+pub(crate) use self::dispersion::warn as warn_of_clamped_indices;
 pub use self::light::LightDesc;
 use crate::texture::TexturesDesc;
 
@@ -99,6 +102,8 @@ pub struct MaterialDesc {
     /// Where solids overlap, the one of the highest priority applies; among equals, the one that light entered last.
     /// Only for [`Surface::Dielectric`], and where [`Self::transmission_absorption`] makes a solid.
     pub priority: u32,
+    /// How the refractive index depends on the wavelength; `None` if it does not. For solids alone, as [`Self::priority`].
+    pub dispersion: Option<Dispersion>,
     /// Factor on the alpha of the surface, in `[0, 1]`.
     pub alpha: f64,
     /// What alpha does. Emitted light is covered like the surface. Not for [`Surface::Dielectric`], whose mesh must be
@@ -153,6 +158,7 @@ impl MaterialDesc {
             emission: [0.0; 3],
             emits_both_sides: false,
             priority: 0,
+            dispersion: None,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             specular_color: [1.0; 3],
@@ -274,6 +280,23 @@ impl MaterialDesc {
         Self { priority, ..self }
     }
 
+    /// The material with this [`Self::dispersion`], whose formula may replace the refractive index of its surface.
+    #[must_use]
+    pub fn with_dispersion(mut self, dispersion: Dispersion) -> Self {
+        if let Surface::Dielectric { ior, .. } | Surface::Glossy { ior, .. } = &mut self.surface {
+            *ior = dispersion.ior(*ior);
+        }
+        Self { dispersion: Some(dispersion), ..self }
+    }
+
+    /// Refractive index of the surface, if it has one.
+    pub(crate) fn ior(&self) -> Option<f64> {
+        match self.surface {
+            Surface::Lambert { .. } | Surface::Mirror { .. } => None,
+            Surface::Dielectric { ior, .. } | Surface::Thin { ior, .. } | Surface::Glossy { ior, .. } => Some(ior),
+        }
+    }
+
     /// The glass that a share of the surface is; `None` without any.
     pub(crate) fn transmitting_surface(&self) -> Option<Surface> {
         let Surface::Glossy { base_color: tint, roughness, ior, .. } = self.surface else { return None };
@@ -309,7 +332,7 @@ impl MaterialDesc {
         }
         let clear = match self.surface {
             Surface::Dielectric { ior, absorption, tint, .. } => {
-                ior == 1.0 && absorption == [0.0; 3] && tint == [1.0; 3]
+                ior == 1.0 && self.dispersion.is_none() && absorption == [0.0; 3] && tint == [1.0; 3]
             }
             Surface::Thin { ior, tint, .. } => ior == 1.0 && tint == [1.0; 3],
             Surface::Lambert { .. } | Surface::Mirror { .. } | Surface::Glossy { .. } => false,

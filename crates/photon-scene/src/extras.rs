@@ -13,6 +13,7 @@
 //! scene but keeps the extras, its changes take precedence, see [`Agrees`].
 
 mod agrees;
+mod dispersion;
 mod exact;
 mod node;
 pub(crate) mod standard;
@@ -23,6 +24,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use self::agrees::Agrees;
+use self::dispersion::DispersionExtras;
 pub(crate) use self::exact::Exact;
 use self::exact::{Triple, exact, plain};
 pub(crate) use self::node::{CameraExtras, LightExtras, NodeExtras};
@@ -74,6 +76,8 @@ pub(crate) enum MaterialExtras {
         roughness: Exact,
         #[serde(default)]
         priority: u32,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        dispersion: Option<DispersionExtras>,
         emission: Triple,
         emits_both_sides: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -125,12 +129,15 @@ pub(crate) struct GlassExtras {
     absorption: Option<Triple>,
     #[serde(default)]
     priority: u32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    dispersion: Option<DispersionExtras>,
 }
 
 impl GlassExtras {
     fn new(desc: &MaterialDesc) -> Option<Self> {
         let absorption = desc.transmission_absorption.map(exact);
-        let found = Self { factor: Exact(desc.transmission), absorption, priority: desc.priority };
+        let dispersion = desc.dispersion.map(DispersionExtras::new);
+        let found = Self { factor: Exact(desc.transmission), absorption, priority: desc.priority, dispersion };
         (desc.transmission > 0.0).then_some(found)
     }
 }
@@ -186,6 +193,7 @@ impl MaterialExtras {
                 tint: exact(tint),
                 roughness: Exact(roughness),
                 priority: *priority,
+                dispersion: desc.dispersion.map(DispersionExtras::new),
                 emission,
                 emits_both_sides,
                 textures,
@@ -226,14 +234,15 @@ impl MaterialExtras {
         | Self::Thin { textures, .. }
         | Self::Glossy { textures, .. }) = &self;
         let textures = textures.as_ref().map_or(Some(found), |textures| textures.refine(found))?;
-        // Priority applies only to solids.
-        let (transmission, absorption, priority) = match &self {
+        // Priority and dispersion apply only to solids.
+        let (transmission, absorption, priority, dispersion) = match &self {
             Self::Glossy { transmission: Some(found), .. } => {
-                (found.factor.0, found.absorption.map(plain), found.priority)
+                (found.factor.0, found.absorption.map(plain), found.priority, found.dispersion)
             }
-            Self::Glass { priority, .. } => (0.0, None, *priority),
-            _ => (0.0, None, 0),
+            Self::Glass { priority, dispersion, .. } => (0.0, None, *priority, *dispersion),
+            _ => (0.0, None, 0, None),
         };
+        let dispersion = dispersion.map(DispersionExtras::plain);
         let [clearcoat, clearcoat_roughness] = match &self {
             Self::Lambert { clearcoat: Some(both), .. }
             | Self::Mirror { clearcoat: Some(both), .. }
@@ -295,7 +304,7 @@ impl MaterialExtras {
         let base = base.with_clearcoat(clearcoat, clearcoat_roughness).with_anisotropy(anisotropy, rotation);
         let base = base.with_diffuse_transmission(share, color).with_sheen(sheen_color, sheen_roughness);
         let base = base.with_transmission(transmission, absorption);
-        Some(MaterialDesc { emission, emits_both_sides, priority, textures, ..base })
+        Some(MaterialDesc { emission, emits_both_sides, priority, dispersion, textures, ..base })
     }
 }
 

@@ -249,16 +249,17 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
         // A solid material that no triangle uses does not take one of the 255 media; without a medium it is no solid.
         Surface::Dielectric { tint, .. } if !in_use => Material { albedo: colour(tint), ..of(MaterialKind::Lambert) },
         Surface::Dielectric { ior, absorption, tint, roughness } => {
+            let dispersed = desc.dispersion.map(|dispersion| dispersion.medium(ior));
             let medium = Medium {
                 // Opaque beyond a few units anyway; an infinity would give 0 · ∞ at zero distance.
                 absorption: absorption.map(|part| (part * frame.scale).min(1e30) as f32),
-                ior: ior as f32,
                 priority: desc.priority,
-                ..Medium::VACUUM
+                ..dispersed.unwrap_or(Medium { ior: ior as f32, ..Medium::VACUUM })
             };
+            let ior = medium.ior;
             let medium = index_of(media, medium);
             let roughness = roughness as f32;
-            Material { albedo: colour(tint), ior: ior as f32, medium, roughness, ..of(MaterialKind::Dielectric) }
+            Material { albedo: colour(tint), ior, medium, roughness, ..of(MaterialKind::Dielectric) }
         }
         Surface::Thin { ior, tint, roughness } => {
             Material { albedo: colour(tint), ior: ior as f32, roughness: roughness as f32, ..of(MaterialKind::Thin) }

@@ -25,7 +25,7 @@ use crate::shading;
 /// |---|---|
 /// | diffuse | roughness 1, no metal, `KHR_materials_specular` of 0 |
 /// | mirror | metal of roughness 0 |
-/// | solid dielectric | `KHR_materials_transmission`, `KHR_materials_ior`, `KHR_materials_volume` with its absorption |
+/// | solid dielectric | `KHR_materials_transmission`, `KHR_materials_ior`, `KHR_materials_volume` with its absorption, `KHR_materials_dispersion` |
 /// | thin sheet | the same without a volume |
 /// | partly glass | the share as `transmissionFactor` and its texture |
 /// | emission | `emissiveFactor` × `KHR_materials_emissive_strength` |
@@ -34,7 +34,7 @@ use crate::shading;
 ///
 /// glTF has single precision. `extras.photonmap` of materials, of nodes with lights or cameras and of primitives store
 /// the same numbers in double precision, as decimal strings, or as the index of a buffer view with 64-bit floats; also
-/// the priority of a solid, and whether a non-emissive surface would emit from both sides. Textures of floats are written
+/// the priority of a solid, the formula of its dispersion, and whether a non-emissive surface would emit from both sides. Textures of floats are written
 /// as floats beside their PNG. The loader uses them as long
 /// as they agree with the standard glTF content.
 ///
@@ -184,6 +184,7 @@ impl File {
             "KHR_materials_anisotropy",
             "KHR_materials_clearcoat",
             "KHR_materials_diffuse_transmission",
+            "KHR_materials_dispersion",
             "KHR_materials_emissive_strength",
             "KHR_materials_ior",
             "KHR_materials_sheen",

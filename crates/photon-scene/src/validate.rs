@@ -51,6 +51,15 @@ pub(crate) fn check(scene: &SceneBuilder) -> Result<(), SceneError> {
 }
 
 fn material(desc: &MaterialDesc) -> Result<(), Fault> {
+    // Before the refractive index, which a formula may give.
+    if let Some(dispersion) = desc.dispersion {
+        let ior = desc.ior().filter(|_| desc.is_solid());
+        let hint = "only solids disperse light: make it glass with a closed mesh, or leave the dispersion out";
+        let fault = ior.map_or_else(|| Some((format!("{dispersion:?}"), hint)), |ior| dispersion.fault(ior));
+        if let Some((value, hint)) = fault {
+            return Err((dispersion.name(), value, hint));
+        }
+    }
     match desc.surface {
         Surface::Lambert { albedo } => fractions("albedo", albedo)?,
         Surface::Mirror { reflectance } => fractions("reflectance", reflectance)?,

@@ -9,7 +9,7 @@ use replaced::replaced;
 use std::path::PathBuf;
 
 use photon_scene::{
-    CameraDesc, LightDesc, LoadReport, MaterialDesc, Projection, SceneBuilder, Surface, ThinLens, builtin,
+    CameraDesc, Dispersion, LightDesc, LoadReport, MaterialDesc, Projection, SceneBuilder, Surface, ThinLens, builtin,
     builtin_names, glb, load_gltf,
 };
 
@@ -41,6 +41,18 @@ fn everything() -> SceneBuilder {
         MaterialDesc::lambert("dark", [0.5; 3]).with_both_sides(true),
         MaterialDesc::mirror("mirror", [0.9, 0.8, third]),
         MaterialDesc::new("glass", glass).with_priority(3),
+        MaterialDesc::glass("flint", 1.5).with_dispersion(Dispersion::Cauchy([1.6, 0.06 * third])),
+        MaterialDesc::glass("crown", 1.1 + third).with_dispersion(Dispersion::Abbe(150.0 * third)),
+        MaterialDesc::glass("fog", 1.0).with_dispersion(Dispersion::Sellmeier([
+            third,
+            0.0,
+            0.1,
+            0.01,
+            0.1,
+            100.0 * third,
+        ])),
+        // glTF cannot say that red light is bent most.
+        MaterialDesc::glass("inverse", 1.0).with_dispersion(Dispersion::Cauchy([1.6, -0.01])),
         MaterialDesc::new(
             "clear",
             Surface::Dielectric { ior: 0.9, absorption: [0.0; 3], tint: [1.0; 3], roughness: 0.0 },
@@ -56,6 +68,7 @@ fn everything() -> SceneBuilder {
         MaterialDesc::plastic("pane", [third, 0.9, 0.1], third).with_transmission(third, None),
         MaterialDesc::plastic("gem", [third, 0.9, 0.1], 0.0)
             .with_transmission(0.9, Some([third, 0.0, 2.0]))
+            .with_dispersion(Dispersion::Abbe(20.0 * third))
             .with_priority(2),
         MaterialDesc::lambert("cloth", [third, 0.9, 0.1]).with_sheen([0.1, third, 1.0], third),
         MaterialDesc::mirror("silk", [third, 0.9, 0.1]).with_sheen([0.0, third, 0.0], 0.0).with_clearcoat(third, third),

@@ -12,7 +12,7 @@ mod unsupported;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use photon_core::{Camera, Features, Light, Material, MaterialKind, partial_transmission};
+use photon_core::{Camera, Features, Light, Material, MaterialKind, Medium, partial_transmission};
 use photon_scene::Scene;
 
 use crate::atomic_write;
@@ -208,7 +208,10 @@ fn shape(
     let _ = writeln!(text, "        <string name=\"filename\" value=\"{}\"/>", escaped(file));
     let _ = writeln!(text, "        <boolean name=\"face_normals\" value=\"true\"/>\n        {bsdf}");
     let units = scene.units();
-    let absorption = scene.view().media[medium as usize].absorption;
+    let Medium { absorption, ior, .. } = scene.view().media[medium as usize];
+    if scene.view().media[medium as usize].is_dispersive() {
+        warnings.push(format!("material '{name}' does not disperse light in Mitsuba: its refractive index is {ior}"));
+    }
     if absorption != [0.0; 3] {
         // Mitsuba reads sigma_t like a reflectance and refuses what exceeds 1, so that the scale has the magnitude.
         let sigma = absorption.map(|c| f64::from(c) / units.scale);

@@ -2,8 +2,8 @@
 
 use photon_core::{
     AlbedoTable, Coat, ConfidenceInterval, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, PixelRadii,
-    RoughGlassTable, SheenTable, anisotropy, area, clearcoat, cosine_warp, ggx, glossy, kd_tree, light_sampler,
-    light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen, solid_angle,
+    RoughGlassTable, SheenTable, Spectrum, anisotropy, area, clearcoat, cosine_warp, ggx, glossy, kd_tree,
+    light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen, solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -99,6 +99,14 @@ pub(super) fn groups() -> Vec<Group> {
             vec![
                 ("ROUGH_GLASS_MIN_CONTRAST", rough_glass::MIN_CONTRAST.into()),
                 ("ROUGH_GLASS_STRIDE", (RoughGlassTable::STRIDE as u32).into()),
+            ],
+        ),
+        (
+            "Spectrum.",
+            vec![
+                ("SPECTRUM_CELLS", Spectrum::CELLS.into()),
+                ("SPECTRUM_FIRST", Spectrum::FIRST.into()),
+                ("SPECTRUM_STEP", Spectrum::STEP.into()),
             ],
         ),
         ("AlbedoTable.", vec![("ALBEDO_TABLE_SIZE", (AlbedoTable::SIZE as u32).into())]),

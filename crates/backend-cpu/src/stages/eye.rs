@@ -8,8 +8,8 @@ use photon_core::memory::{self, OutOfMemory};
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,
-    QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SurfaceInteraction, Vertex, View, anisotropy,
-    gloss_caustics, most_total_reflections, octahedral, sampling, shading_normal, shadow_terminator,
+    QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SurfaceInteraction, Vertex, View, Wavelength,
+    anisotropy, gloss_caustics, most_total_reflections, octahedral, sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
 
@@ -70,7 +70,7 @@ impl EyeTracer<Cpu> for CpuEye {
             truncated: AtomicU64::new(0),
         };
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
-        let is_shaded = scene.features.intersects(Features::SHADED);
+        let is_shaded = scene.features.intersects(Features::SHADED) || scene.disperses;
         let look = match (is_shaded, scene.present.intersects(Features::RANDOM_SURFACES), has_lens) {
             (_, _, true) if reflections => Eye::look::<true, true, true, true>,
             (_, _, false) if reflections => Eye::look::<true, true, false, true>,
@@ -133,6 +133,7 @@ pub(crate) struct Path {
     /// Throughput of radiance over n², which refraction leaves unchanged.
     pub(crate) throughput: Vec3,
     pub(crate) media: MediumStack,
+    pub(crate) wavelength: Wavelength,
     pub(crate) surfaces: u32,
     /// Number of total reflections.
     total: u32,
@@ -197,6 +198,7 @@ impl Eye<'_> {
             ray,
             throughput: Vec3::ONE,
             media: MediumStack::from_bits(self.view.camera.media),
+            wavelength: Wavelength::NONE,
             surfaces: 0,
             total: 0,
             splits: 0,
@@ -225,7 +227,7 @@ impl Eye<'_> {
             let is_hidden = self.hides_background && path.surfaces == 0;
             if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && !REFLECTIONS) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
-                let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
+                let throughput = path.throughput * self.scene.radiance_scale(camera, path.media, path.wavelength);
                 let mut radiance = environment.radiance(path.ray.direction);
                 if SHADED && path.reflected.weighs_lights() {
                     let light = self.scene.lights.iter().rposition(|light| light.kind == Light::ENVIRONMENT);
@@ -242,7 +244,7 @@ impl Eye<'_> {
                 && sampling::versine(path.ray.direction, -Vec3::from(sun.direction)) <= sun.versine_outer
             {
                 let camera = MediumStack::from_bits(self.view.camera.media);
-                let throughput = path.throughput * self.scene.radiance_scale(camera, path.media);
+                let throughput = path.throughput * self.scene.radiance_scale(camera, path.media, path.wavelength);
                 deposit(pixel, Layer::Emission, throughput.into(), sun.sun_radiance().to_array().map(f64::from));
             }
             return None;
@@ -265,12 +267,16 @@ impl Eye<'_> {
                 pixel.albedo[axis] += f64::from(material.albedo[axis]);
             }
         }
-        let interface = self.scene.interface(&surface, path.media);
+        let mut interface = self.scene.interface(&surface, path.media);
         path.throughput *= self.scene.attenuation(interface.before, surface.t);
+        if SHADED && self.scene.disperses {
+            let word = || sampler(path.branch).wavelength(0);
+            self.scene.disperse(&mut interface, &mut path.wavelength, &mut path.throughput, word);
+        }
         // Factor from the radiance that leaves the surface to its contribution at the camera.
         let seen = || {
             let camera = MediumStack::from_bits(self.view.camera.media);
-            path.throughput * self.scene.radiance_scale(camera, interface.before)
+            path.throughput * self.scene.radiance_scale(camera, interface.before, path.wavelength)
         };
         let emits = material.is_emissive() && !REFLECTIONS;
         if emits && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {

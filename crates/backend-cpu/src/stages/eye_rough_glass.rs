@@ -57,7 +57,7 @@ impl Eye<'_> {
             |direction| at.glass.evaluate(&self.scene.rough_glass, -path.ray.direction, direction, at.normal);
         if let Some(value) = self.sampled_light::<ALPHA>(words, &side, evaluate) {
             let camera = MediumStack::from_bits(self.view.camera.media);
-            let seen = path.throughput * self.scene.radiance_scale(camera, side.media);
+            let seen = path.throughput * self.scene.radiance_scale(camera, side.media, path.wavelength);
             deposit(pixel, Layer::Emission, seen.into(), value.to_array().map(f64::from));
         }
     }

@@ -7,7 +7,7 @@ use photon_core::memory::OutOfMemory;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
     Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Layer, Layers, Lobe, MapKind, Maps,
-    MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, Vertex, glossy,
+    MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, Vertex, Wavelength, glossy,
     most_total_reflections, octahedral, offset, sampling, shading_normal,
 };
 
@@ -46,12 +46,14 @@ impl FinalGather<Cpu> for CpuGather {
         }
         let Self { max_bounces, on_surface, .. } = *self;
         let truncated = AtomicU64::new(0);
-        let follow =
-            match (scene.present.intersects(Features::SHADED), scene.present.intersects(Features::RANDOM_SURFACES)) {
-                (_, true) => follow::<true, true>,
-                (true, false) => follow::<true, false>,
-                (false, false) => follow::<false, false>,
-            };
+        let follow = match (
+            scene.present.intersects(Features::SHADED) || scene.disperses,
+            scene.present.intersects(Features::RANDOM_SURFACES),
+        ) {
+            (_, true) => follow::<true, true>,
+            (true, false) => follow::<true, false>,
+            (false, false) => follow::<false, false>,
+        };
         on.pool.install(|| {
             film.for_queries(
                 queries.as_slice(),
@@ -195,6 +197,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
     }
     let start = MediumStack::from_bits(query.media);
     let mut media = start;
+    let mut wavelength = Wavelength::NONE;
     let mut total = 0;
     for bounce in 1..=max_bounces {
         let Ok(Some((mut surface, hit))) = scene.hit_with::<ALPHA>(&ray, || sampler.words(block + bounce)[3]) else {
@@ -210,8 +213,11 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 surface = surface.with_cosine_to(normal, ray.direction);
             }
         }
-        let interface = scene.interface(&surface, media);
+        let mut interface = scene.interface(&surface, media);
         throughput *= scene.attenuation(interface.before, surface.t);
+        if SHADED && scene.disperses {
+            scene.disperse(&mut interface, &mut wavelength, &mut throughput, || sampler.wavelength(index));
+        }
         let wo = -ray.direction;
         let vertex = Vertex {
             material,
@@ -282,7 +288,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
                 bsdf.weight(lobe)
             }
         };
-        let throughput = throughput * scene.radiance_scale(start, interface.before) * albedo;
+        let throughput = throughput * scene.radiance_scale(start, interface.before, wavelength) * albedo;
         let mut found = Found::default();
         let at = |gather: &EstimateParams| VisiblePoint {
             position: surface.point.into(),

@@ -10,7 +10,8 @@ use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Batch, Deposits, Fate, Features, FixedFlux, Hit, Layers, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
     PhotonFormat, PhotonRay, Ray, Requirements, Result, Scattering, Scheduling, Settings, SkipLimit,
-    SurfaceInteraction, Tally, Tracer, Vertex, gloss_caustics, most_total_reflections, octahedral, shading_normal,
+    SurfaceInteraction, Tally, Tracer, Vertex, Wavelength, gloss_caustics, most_total_reflections, octahedral,
+    shading_normal,
 };
 
 use self::kernel::{AIMED, BATCHED, NESTED, REFLECTED, REFLECTIONS, SHADED, kernel};
@@ -95,7 +96,7 @@ impl Tracer<Cpu> for CpuTracer {
             (true, false) if self.aimed => follow::<{ SHADED | BATCHED | AIMED }>,
             (true, false) => follow::<{ SHADED | BATCHED }>,
             (false, true) => follow::<REFLECTIONS>,
-            (false, false) => kernel(self.features, self.nested, self.aimed),
+            (false, false) => kernel(self.features, (self.nested, scene.disperses), self.aimed),
         };
         let all_lights = self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic);
         let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, all_lights, in_batches, follow };
@@ -160,6 +161,7 @@ pub(super) struct PausedPath {
     specular_only: bool,
     media: MediumStack,
     too_deep: bool,
+    wavelength: Wavelength,
     total: u32,
 }
 
@@ -185,6 +187,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     let shaded = features.intersects(Features::SHADED);
     let reflections = F & REFLECTED != 0;
     let (aimed, nested) = (F & AIMED != 0, F & NESTED != 0 && (!shaded || scene.nested));
+    let disperses = shaded && nested && scene.disperses;
     let pass = walk.batch.pass;
     let domain = if aimed { Domain::Aimed } else { Domain::Photon };
     let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, domain, start.path);
@@ -199,6 +202,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     let mut specular_only = true;
     let mut media = MediumStack::from_bits(start.media);
     let mut too_deep = false;
+    let mut wavelength = Wavelength::NONE;
     // Number of total reflections.
     let mut total = 0;
     let mut first = 0;
@@ -206,7 +210,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     if let Some(path) = resumed {
         (ray, power, flux, first) = (path.ray, path.power, path.flux, path.bounce);
         (sampler, specular_only, media, too_deep) = (path.sampler, path.specular_only, path.media, path.too_deep);
-        total = path.total;
+        (wavelength, total) = (path.wavelength, path.total);
     } else {
         tally.emitted += 1;
         tally.flux_emitted.add(flux);
@@ -221,8 +225,18 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         let block = BLOCK_SURFACES + bounce;
         let found = if F & BATCHED != 0 {
             let Some(hit) = paused.hit.take() else {
-                paused.path =
-                    Some(PausedPath { ray, bounce, sampler, power, flux, specular_only, media, too_deep, total });
+                paused.path = Some(PausedPath {
+                    ray,
+                    bounce,
+                    sampler,
+                    power,
+                    flux,
+                    specular_only,
+                    media,
+                    too_deep,
+                    wavelength,
+                    total,
+                });
                 return;
             };
             Ok(hit.map(|hit| (scene.interaction(&ray, &hit), hit)))
@@ -260,10 +274,13 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             tally.flux_absorbed.add(flux.minus(left));
             *flux = left;
         };
-        let interface = scene.interface_by(&surface, media, nested);
+        let mut interface = scene.interface_by(&surface, media, nested);
         if features.contains(Features::ABSORPTION) && interface.before != MediumStack::VACUUM {
             power *= scene.transmittance(interface.before, surface.t);
             carry(power, &mut flux, tally);
+        }
+        if disperses {
+            scene.disperse(&mut interface, &mut wavelength, &mut power, || sampler.wavelength(0));
         }
         let [choice, u, v, _] = sampler.words(block);
         let (choice, u, v) = (unit_f32(choice), unit_f32(u), unit_f32(v));

@@ -129,17 +129,22 @@ fn random_rows(row: Make) -> Vec<Row> {
             let [word, ..] = i.0;
             words([lcg(word), unit_f32(word).to_bits(), centred_f32(word).to_bits()])
         }),
+        row("wavelength_word", module, 3, Bound::Words, sampler, |i| words([sampler_of(i).wavelength(i.0[6])])),
         row("sampler_words", module, 2, Bound::Words, sampler, |i| {
-            let [kind, low, high, pass, domain, path, first, second, ..] = i.0;
-            let kind = [RandomKind::Counter, RandomKind::Lcg, RandomKind::Sobol][kind as usize];
-            let domains = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather, Domain::Area, Domain::Aimed];
-            let domain = domains[domain as usize];
-            let seed = u64::from(high) << 32 | u64::from(low);
-            let mut sampler = Sampler::new(kind, seed, pass, domain, path);
+            let [.., first, second, _, _, _, _] = i.0;
+            let mut sampler = sampler_of(i);
             let (first, second) = (sampler.words(first), sampler.words(second));
             words([first, second].concat().try_into().unwrap_or([0; 8]))
         }),
     ]
+}
+
+/// The sampler of an input of [`sampler`].
+fn sampler_of(i: &Input) -> Sampler {
+    let [kind, low, high, pass, domain, path, ..] = i.0;
+    let kind = [RandomKind::Counter, RandomKind::Lcg, RandomKind::Sobol][kind as usize];
+    let domains = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather, Domain::Area, Domain::Aimed];
+    Sampler::new(kind, u64::from(high) << 32 | u64::from(low), pass, domains[domain as usize], path)
 }
 
 fn direction_rows(row: Make) -> Vec<Row> {

@@ -4,7 +4,6 @@ use crate::requirements::features::Features;
 use crate::requirements::reflects;
 use crate::scene::SceneView;
 use crate::scene::material::{Material, MaterialKind};
-use crate::scene::media::MediaFeatures;
 use crate::scene::solids::Solids;
 use crate::scene::texture::MaterialTextures;
 use crate::settings::{Estimator, Settings};
@@ -58,7 +57,7 @@ fn most_narrowest(material: &Material, scene: &SceneView<'_>) -> f32 {
 /// Whether a surface can be a perfect mirror or smooth glass.
 fn has_perfect_specular(scene: &SceneView<'_>) -> bool {
     // Rough glass is smooth where a texture makes it so, and between equal media, which solids that overlap may have.
-    let nested = || Solids::of(scene).features().contains(MediaFeatures::NESTED);
+    let nested = || Solids::of(scene).overlap();
     scene.materials_in_use().any(|material| match material.kind() {
         MaterialKind::Mirror => true,
         MaterialKind::Thin => !material.is_rough_glass() || material.textures != 0,

@@ -145,7 +145,7 @@ impl Requirements {
         Err(Error::InvalidSetting {
             name: "the media features of the stages",
             value: self.media.to_string(),
-            hint: "solids of this scene are nested or overlap; derive the requirements from this scene",
+            hint: "solids of this scene are nested, overlap or disperse light; derive the requirements from this scene",
         })
     }
 

@@ -9,6 +9,7 @@ use crate::scene::media::MediumStack;
 use crate::scene::medium::Medium;
 use crate::scene::portal::Portal;
 use crate::scene::units::Units;
+use crate::shading::spectrum::{Spectrum, Wavelength};
 
 /// Tolerance of the squared length of unit vectors.
 const UNIT: f32 = 1e-4;
@@ -154,7 +155,16 @@ fn is_known_light(kind: u32) -> bool {
 
 fn check_medium(medium: &Medium) -> Check {
     not_negative("absorption", &medium.absorption)?;
-    require(medium.ior.is_normal() && medium.ior > 0.0, || format!("its ior {} must be finite and above 0", medium.ior))
+    require(medium.ior.is_normal() && medium.ior > 0.0, || {
+        format!("its ior {} must be finite and above 0", medium.ior)
+    })?;
+    require(medium.dispersion <= Medium::SELLMEIER, || {
+        format!("its dispersion {} is unknown; use 0 or a constant of Medium", medium.dispersion)
+    })?;
+    let mut indices = (0..Spectrum::CELLS).map(|cell| medium.index(Wavelength::of_cell(cell)));
+    require(medium.terms.iter().all(|term| term.is_finite()) && indices.all(f32::is_normal), || {
+        format!("its terms {:?} must be finite, and so must be the refractive index of all visible light", medium.terms)
+    })
 }
 
 fn check_material(material: &Material, media: &[Medium]) -> Check {

@@ -39,4 +39,5 @@ pub mod sheen;
 pub(crate) mod sheen_lobe;
 pub mod sobol;
 pub mod solid_angle;
+pub(crate) mod spectrum;
 pub mod texture;

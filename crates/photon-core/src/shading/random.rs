@@ -27,6 +27,7 @@
 //! | shadow rays | ray r of the query | light · point or direction, u · the same, v · light (low), alpha |
 //! | final gathering | r · (max bounces + 1), ray r | direction, u · direction, v · – · – |
 //! | final gathering | r · (max bounces + 1) + n, surface n from 1 | choice of the lobe · direction, u · direction, v · alpha |
+//! | wavelength | domain of the path + 8 · gather ray | wavelength · – · – · – |
 //! | area probes | 0, by the path of the query | rotation of the spokes · shift of the rings · – · – |
 //!
 //! Aimed photons have the blocks of photons. A stage consumes its own block even where it needs no number. With
@@ -57,6 +58,8 @@ pub enum Domain {
     Area = 4,
     /// Photons that are aimed, for the caustic map.
     Aimed = 5,
+    /// Wavelengths of paths that are dispersed.
+    Wavelength = 9,
 }
 
 /// Four independent words from a counter and a key: Philox4x32-10 (Salmon, Moraes, Dror and Shaw
@@ -155,7 +158,23 @@ impl Sampler {
             }),
         }
     }
+
+    /// The random word for the wavelength of the path, or of its gather ray `ray`. Those of a camera path are stratified over
+    /// the passes.
+    #[inline]
+    #[must_use]
+    pub fn wavelength(&self, ray: u32) -> u32 {
+        let block = ray << 3 | self.domain;
+        let draw = |pass| philox4x32([self.path, block, pass, Domain::Wavelength as u32], self.key)[0];
+        if self.domain == Domain::Eye as u32 {
+            return draw(0).wrapping_add(self.pass.wrapping_mul(WAVELENGTH_STEP));
+        }
+        draw(self.pass)
+    }
 }
+
+/// Step of the wavelengths of a camera path from pass to pass, as a share of 2³²: the golden ratio.
+pub const WAVELENGTH_STEP: u32 = 0x9E37_79B9;
 
 /// Block of dimensions for the choice of the light and the point on it.
 pub const BLOCK_LIGHT: u32 = 0;

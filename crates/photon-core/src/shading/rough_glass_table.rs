@@ -6,12 +6,13 @@
 use crate::error::{Error, Result};
 use crate::scene::SceneView;
 use crate::scene::material::{Material, MaterialKind};
-use crate::scene::media::MediaFeatures;
+use crate::scene::medium::Medium;
 use crate::scene::solids::Solids;
 use crate::shading::albedo_table::{AlbedoTable, directional_of, mean_of, tabulate};
 use crate::shading::fresnel::fresnel;
 use crate::shading::ggx;
 use crate::shading::rough_glass::MIN_CONTRAST;
+use crate::shading::spectrum::Wavelength;
 
 use glam::Vec3;
 
@@ -55,17 +56,21 @@ impl RoughGlassTable {
         if !scene.materials_in_use().any(is_rough) {
             return Ok(Self::default());
         }
-        let nested = Solids::of(scene).features().contains(MediaFeatures::NESTED);
+        let nested = Solids::of(scene).overlap();
         for material in scene.materials_in_use() {
             if !is_rough(material) {
                 continue;
             }
             let around: &[_] = if nested { scene.media } else { &scene.media[..1] };
+            let Some(inside) = scene.media.get(material.medium as usize) else { continue };
             for other in around {
-                let pair = [material.ior / other.ior, other.ior / material.ior];
-                let is_new = !ratios.iter().any(|ratio| ratio.contains(&pair[0]));
-                if is_new && (pair[0] - 1.0).abs() >= MIN_CONTRAST {
-                    ratios.push(pair);
+                for wavelength in wavelengths(inside, other) {
+                    let [ior, there] = [inside, other].map(|medium| medium.index(wavelength));
+                    let pair = [ior / there, there / ior];
+                    let is_new = !ratios.iter().any(|ratio| ratio.contains(&pair[0]));
+                    if is_new && (pair[0] - 1.0).abs() >= MIN_CONTRAST {
+                        ratios.push(pair);
+                    }
                 }
             }
         }
@@ -144,6 +149,15 @@ impl RoughGlassTable {
         let pair = mean_of(self.of(losses), roughness);
         (1.0 - pair[usize::from(losses.is_turned) ^ side]).max(0.0)
     }
+}
+
+/// The wavelengths whose ratios have tables of their own: those between have that of the most similar ratio, an eighth of the
+/// dispersion away at most.
+fn wavelengths(inside: &Medium, other: &Medium) -> Vec<Wavelength> {
+    if !inside.is_dispersive() && !other.is_dispersive() {
+        return vec![Wavelength::NONE];
+    }
+    [0, 27, 65, 128, 255].map(Wavelength::of_cell).to_vec()
 }
 
 /// Points of the quadrature over microfacet normals, and the step between them around the surface normal: neighbouring

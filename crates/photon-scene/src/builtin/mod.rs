@@ -11,6 +11,7 @@ mod integrating_sphere;
 mod many_lights;
 mod plates;
 mod pool;
+mod prism;
 mod ring;
 #[cfg(feature = "sky")]
 mod sky;
@@ -30,6 +31,7 @@ const NAMES: &[(&str, &str)] = &[
     ("cornell-glass", "the Cornell box with a mirror ball and a glass ball, with their caustics"),
     ("ring", "a golden ring on a table, with the cardioid caustic of its inner wall"),
     ("pool", "the floor of a swimming pool in the sun, under waves"),
+    ("prism", "a glass prism, and the spectrum of white light on the wall behind it"),
     ("textures", "a room with tiles, a normal map, a textured light, and smooth balls of few triangles"),
     ("gloss", "metal and plastic balls of several roughnesses, on glazed tiles"),
     ("frosted-glass", "the Cornell box with two balls of rough glass, and a frosted pane before a spotlight"),
@@ -62,6 +64,7 @@ pub fn builtin(name: &str) -> Option<SceneBuilder> {
         "cornell-glass" => glass::cornell_glass(),
         "ring" => ring::ring(),
         "pool" => pool::pool(),
+        "prism" => prism::prism(),
         "textures" => textures::textures(),
         "gloss" => gloss::gloss(),
         "frosted-glass" => frosted::frosted_glass(),

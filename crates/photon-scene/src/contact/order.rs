@@ -139,7 +139,9 @@ impl Patch<'_> {
             let material = patch.material;
             (!material.is_emissive(), !matches!(material.surface, crate::Surface::Thin { .. }))
         };
-        let text = |patch: &Self| format!("{:?}", (&patch.material.surface, patch.material.emission));
+        let text = |patch: &Self| {
+            format!("{:?}", (&patch.material.surface, patch.material.emission, patch.material.dispersion))
+        };
         let by_corner = || {
             let pairs = self.corner.iter().zip(&other.corner);
             pairs.map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)

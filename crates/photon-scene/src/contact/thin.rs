@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use glam::{DVec3, Vec3};
 use photon_core::{crossing, offset, parallel};
 
-use super::Source;
 use super::pairs::{Contact, corners};
 use super::planes::{Planes, index};
+use super::{SolidMedium, Source};
 use crate::normalise::Geometry;
 
 /// Distance from two faces that coincide at which it is decided what is outside of both.
@@ -65,11 +65,7 @@ pub(super) fn mark(source: &Source<'_>, geometry: &Geometry, contacts: &mut [Con
 }
 
 /// The meshes that bound one of these media, with their bounding boxes.
-fn boxes(
-    source: &Source<'_>,
-    geometry: &Geometry,
-    media: &[Option<(f64, [f64; 3], u32)>],
-) -> Vec<(usize, DVec3, DVec3)> {
+fn boxes(source: &Source<'_>, geometry: &Geometry, media: &[Option<SolidMedium>]) -> Vec<(usize, DVec3, DVec3)> {
     let of = |mesh: usize| {
         let points = geometry.range(mesh).flat_map(|triangle| corners(geometry, triangle as u32));
         let (low, high) =

@@ -23,6 +23,12 @@ fn parallel(a: [f64; 3], b: [f64; 3]) -> bool {
     unit(a).distance(unit(b)) <= 1e-4
 }
 
+/// The dispersion as glTF has it.
+fn strength(desc: &MaterialDesc) -> f64 {
+    let both = desc.dispersion.zip(desc.ior());
+    both.map_or(0.0, |(dispersion, ior)| dispersion.strength(ior))
+}
+
 impl Agrees for MaterialDesc {
     fn agrees(&self, exact: &Self) -> bool {
         let surface = match (&self.surface, &exact.surface) {
@@ -83,6 +89,7 @@ impl Agrees for MaterialDesc {
                 (Some(found), Some(exact)) => all_close(found, exact),
                 (found, exact) => found == exact,
             }
+            && close(strength(self), strength(exact))
             && all_close(self.diffuse_transmission_color, exact.diffuse_transmission_color)
             && all_close(self.sheen_color, exact.sheen_color)
             && close(self.sheen_roughness, exact.sheen_roughness);

@@ -9,7 +9,7 @@ use super::budget::{Budget, LoadOptions};
 use super::light_units::LightUnits;
 use super::schema::{File, Kind, Material};
 use crate::builder::SceneBuilder;
-use crate::describe::{AlphaMode, MaterialDesc, Surface};
+use crate::describe::{AlphaMode, Dispersion, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::report::LoadReport;
 use photon_core::shown;
@@ -154,6 +154,18 @@ impl Overrides {
         self.fault(what.to_owned(), hint)
     }
 
+    /// The dispersion that a material is given, if any.
+    fn dispersion(&self, name: &str, with: &Material) -> Result<Option<Dispersion>, SceneError> {
+        let (abbe, cauchy) = (with.abbe.map(Dispersion::Abbe), with.cauchy.map(Dispersion::Cauchy));
+        let all = [abbe, cauchy, with.sellmeier.map(Dispersion::Sellmeier)];
+        let given: Vec<Dispersion> = all.into_iter().flatten().collect();
+        if let [first, second, ..] = given[..] {
+            let what = format!("material '{name}' has both {} and {}", first.name(), second.name());
+            return Err(self.fault(what, "give one of cauchy, abbe and sellmeier"));
+        }
+        Ok(given.first().copied())
+    }
+
     fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
         let before = kind_of(&desc.surface);
         let kind = with.kind.unwrap_or(before);
@@ -249,6 +261,12 @@ impl Overrides {
         if kind != before {
             desc.transmission_absorption = None;
         }
+        let mut new_dispersion = self.dispersion(&desc.name, with)?;
+        // One that gives the refractive index itself is replaced by another index.
+        let is_replaced = with.ior.is_some() && !matches!(desc.dispersion, Some(Dispersion::Abbe(_)));
+        if kind != before || is_replaced {
+            desc.dispersion = None;
+        }
         let mut new_share = with.transmission;
         if with.anisotropy.is_some() || with.anisotropy_degrees.is_some() || kind != before {
             desc.textures.anisotropy = None;
@@ -293,9 +311,15 @@ impl Overrides {
                 desc.anisotropy_rotation = new_rotation.take().map_or(desc.anisotropy_rotation, f64::to_radians);
             }
         }
+        if desc.is_solid()
+            && let Some(dispersion) = new_dispersion.take()
+        {
+            *desc = desc.clone().with_dispersion(dispersion);
+        }
         let left = [
             ("albedo", new_albedo.is_some()),
             ("ior", new_ior.is_some()),
+            (new_dispersion.map_or("dispersion", Dispersion::name), new_dispersion.is_some()),
             ("tint", new_tint.is_some()),
             ("absorption", new_absorption.is_some()),
             ("priority", new_priority.is_some()),
@@ -316,10 +340,11 @@ impl Overrides {
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
-            let hint = "lambert and mirror have albedo, glass has ior, tint, roughness, absorption and \
-                        priority, thin has ior, tint and roughness, \
+            let hint = "lambert and mirror have albedo, glass has ior, cauchy, abbe, sellmeier, tint, roughness, \
+                        absorption and priority, thin has ior, tint and roughness, \
                         glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy, \
-                        anisotropy_degrees and transmission, and with that absorption and priority, \
+                        anisotropy_degrees and transmission, and with that absorption, priority and, if it absorbs, \
+                        cauchy, abbe and sellmeier, \
                         all but glass and thin have clearcoat, clearcoat_roughness, sheen and sheen_roughness, \
                         lambert and glossy diffuse_transmission and diffuse_transmission_color; \
                         give another kind, or leave it out";

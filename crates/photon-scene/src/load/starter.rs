@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::overrides::Overrides;
 use crate::builder::SceneBuilder;
-use crate::describe::{AlphaMode, CameraDesc, MaterialDesc, Projection, Surface};
+use crate::describe::{AlphaMode, CameraDesc, Dispersion, MaterialDesc, Projection, Surface};
 
 /// Before the materials.
 const HEAD: &str = "\
@@ -92,6 +92,9 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
             ("ior", number(ior), false),
         ],
     };
+    if let Some(dispersion) = desc.dispersion {
+        list.push((dispersion.name(), dispersion_text(dispersion), false));
+    }
     if desc.specular_color != [1.0; 3] || textures.specular_color.is_some() {
         list.push(("specular_color", color(desc.specular_color), textures.specular_color.is_some()));
     }
@@ -197,6 +200,16 @@ fn triple(value: [f64; 3]) -> String {
     format!("[{}]", value.map(number).join(", "))
 }
 
+fn dispersion_text(dispersion: Dispersion) -> String {
+    let list =
+        |numbers: &[f64]| format!("[{}]", numbers.iter().map(|&value| number(value)).collect::<Vec<_>>().join(", "));
+    match dispersion {
+        Dispersion::Abbe(abbe) => number(abbe),
+        Dispersion::Cauchy(terms) => list(&terms),
+        Dispersion::Sellmeier(terms) => list(&terms),
+    }
+}
+
 /// The shortest number that is read as the same.
 fn number(value: f64) -> String {
     format!("{value:?}").to_lowercase()
@@ -256,8 +269,12 @@ mod tests {
             .with_anisotropy(0.5, 30.0_f64.to_radians())
             .with_diffuse_transmission(0.25, [0.5, 1.0, 0.5])
             .with_transmission(0.75, Some([0.0, 0.5, 2.0]))
+            .with_dispersion(Dispersion::Abbe(31.5))
             .with_priority(3);
         other.material(glossy);
+        other.material(MaterialDesc::glass("flint", 1.5).with_dispersion(Dispersion::Cauchy([1.6, 0.02])));
+        let terms = [1.039_612_12, 0.231_792_344, 1.010_469_45, 0.006_000_698_67, 0.020_017_914_4, 103.560_653];
+        other.material(MaterialDesc::glass("crown", 1.5).with_dispersion(Dispersion::Sellmeier(terms)));
         other.material(MaterialDesc::lambert("veil", [1e-7, 0.0, 1.0]).with_alpha(AlphaMode::Blend, 0.5));
         other.material(MaterialDesc::thin("", 1.3));
         other.material(MaterialDesc::mirror("tab\t\u{7f}", [0.9, 0.8, 0.7]).with_both_sides(true));

@@ -57,6 +57,10 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             volume["attenuationColor"] = json!(relative.map(|share| (-share).exp() as f32));
         }
         extensions["KHR_materials_volume"] = volume;
+        let strength = desc.dispersion.zip(desc.ior()).map_or(0.0, |(dispersion, ior)| dispersion.strength(ior));
+        if strength > 0.0 {
+            extensions["KHR_materials_dispersion"] = json!({ "dispersion": single(strength, what)? });
+        }
     }
     if desc.clearcoat > 0.0 {
         extensions["KHR_materials_clearcoat"] = json!({

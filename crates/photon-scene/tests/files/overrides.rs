@@ -1,7 +1,7 @@
 //! Override files.
 
 use crate::support::{Folder, MTL, OBJ, corners, material, message, names};
-use photon_core::{Material, MaterialKind};
+use photon_core::{Material, MaterialKind, Medium, Wavelength};
 use photon_scene::{Overrides, load};
 use std::path::Path;
 
@@ -279,6 +279,26 @@ fn override_faults() {
     names(&fault("[materials.wall]\nkind = \"glossy\"\nabsorption = 1\n"), &["'wall'", "no absorption"]);
     let share = "[materials.wall]\nkind = \"glossy\"\ntransmission = 1.5\n";
     names(&fault(share), &["'wall'", "transmission", "between 0 and 1"]);
+    for (key, value) in [("abbe", "60"), ("cauchy", "[1.5, 0.01]"), ("sellmeier", "[1, 0, 0, 0.01, 0, 0]")] {
+        names(
+            &fault(&format!("[materials.pane]\nkind = \"thin\"\n{key} = {value}\n")),
+            &["'pane'", "thin", "no ", key],
+        );
+        names(&fault(&format!("[materials.wall]\n{key} = {value}\n")), &["'wall'", "lambert", "no ", key]);
+    }
+    let glass = |keys: &str| fault(&format!("[materials.wall]\nkind = \"glass\"\n{keys}\n"));
+    for abbe in ["0", "-0.0", "-60", "nan", "inf", "-inf", "1e-320"] {
+        names(&glass(&format!("abbe = {abbe}")), &["'wall'", "abbe", "finite"]);
+    }
+    for terms in ["[nan, 0]", "[1.5, inf]", "[1e300, 0.01]"] {
+        names(&glass(&format!("cauchy = {terms}")), &["'wall'", "cauchy", "finite", "micrometres"]);
+    }
+    // A resonance of visible light; coefficients in square nanometres.
+    for terms in ["[1, 0, 0, 0.25, 0, nan]", "[inf, 0, 0, 0.01, 0, 0]"] {
+        names(&glass(&format!("sellmeier = {terms}")), &["'wall'", "sellmeier", "finite"]);
+    }
+    names(&glass("abbe = 60\ncauchy = [1.5, 0.01]"), &["'wall'", "both abbe and cauchy", "one of"]);
+    names(&glass("cauchy = [1.5]"), &["line 3", "length 1"]);
     names(&fault("[materials.pane]\nkind = \"thin\"\nsheen = 1\n"), &["'pane'", "thin", "no sheen"]);
     names(&fault("[materials.wall]\nsheen = 1.5\n"), &["'wall'", "sheen_color", "between 0 and 1"]);
     let mirror = "[materials.wall]\nkind = \"mirror\"\ndiffuse_transmission = 1\n";
@@ -309,6 +329,38 @@ fn override_faults() {
     names(&fault(&format!("{camera}fov_degrees = 40\naperture = -1\nfocus = 1\n")), &["'eye'", "diameter"]);
     names(&fault("not toml"), &["over.toml, line 1"]);
     assert!(parse("").and_then(|overrides| load(&obj, Some(&overrides))).is_ok());
+}
+
+/// Formulas of the refractive index: what the table of media has, and what is told.
+#[test]
+fn dispersion_is_overridden() {
+    let folder = Folder::new("override-dispersion");
+    folder.file("scene materials.mtl", MTL);
+    let obj = folder.file("scene.obj", OBJ);
+    let medium = |keys: &str| {
+        let text = format!("[materials.wall]\nkind = \"glass\"\n{keys}\n");
+        let overrides = Overrides::parse(&text, Path::new("over.toml")).expect("a sound file");
+        let (scene, _) = load(&obj, Some(&overrides)).expect("a scene");
+        let found = *material(&scene, "wall");
+        assert_eq!(scene.view().media[found.medium as usize].ior, found.ior);
+        let is_told = scene.warnings().iter().any(|text| text.contains("'wall'") && text.contains("below 1"));
+        (scene.view().media[found.medium as usize], is_told)
+    };
+    let (plain, _) = medium("ior = 1.6");
+    assert_eq!(medium("ior = 1.4\ncauchy = [1.6, 0]"), (plain, false), "without a slope there is no dispersion");
+    let (cauchy, is_told) = medium("cauchy = [1.6, 0.02]");
+    assert_eq!((cauchy.dispersion, &cauchy.terms[..2], is_told), (Medium::CAUCHY, &[1.6, 0.02][..], false));
+    assert!((cauchy.ior - 1.657_93).abs() < 1e-5, "{}", cauchy.ior);
+    let (sellmeier, _) =
+        medium("sellmeier = [1.03961212, 0.231792344, 1.01046945, 0.00600069867, 0.0200179144, 103.560653]");
+    assert_eq!(sellmeier.dispersion, Medium::SELLMEIER);
+    assert!((sellmeier.ior - 1.516_80).abs() < 1e-5, "{}", sellmeier.ior);
+    let (abbe, _) = medium("ior = 1.5168\nabbe = 64.17");
+    for wavelength in (40..200).step_by(40).map(Wavelength::of_cell) {
+        let [a, b] = [abbe, sellmeier].map(|medium| medium.index(wavelength));
+        assert!((a - b).abs() < 1e-3, "BK7 by both formulas: {a} {b}");
+    }
+    assert!(medium("cauchy = [0.95, 0.01]").1 && !medium("cauchy = [1.0, 0.01]").1);
 }
 
 #[test]

@@ -15,6 +15,7 @@ fn scenes_are_listed() {
             "cornell-glass",
             "ring",
             "pool",
+            "prism",
             "textures",
             "gloss",
             "frosted-glass",

@@ -31,9 +31,9 @@ pub(super) const SHADED: u64 = ALL | NESTED | Features::SHADED.bits() as u64;
 const SURFACES: Features =
     Features::SPECULAR.union(Features::ABSORPTION).union(Features::SHADED).union(Features::PARTIAL_TRANSMISSION);
 
-/// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals, and those
-/// where a random word decides what a ray meets have one kernel each with all lobes.
-pub(super) fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
+/// Selects the kernel compiled for these lobes. Nested solids, surfaces with textures or shading normals or that disperse
+/// light, and those where a random word decides what a ray meets have one kernel each with all lobes.
+pub(super) fn kernel(features: Features, (nested, disperses): (bool, bool), aimed: bool) -> Follow {
     const D: Features = Features::DIFFUSE;
     const M: Features = D.union(Features::MIRROR);
     const GLASS: Features = Features::DIELECTRIC.union(Features::THIN);
@@ -53,7 +53,7 @@ pub(super) fn kernel(features: Features, nested: bool, aimed: bool) -> Follow {
         const RANDOM: u64 = SHADED | Features::RANDOM_SURFACES.bits() as u64;
         return if aimed { follow::<{ RANDOM | AIMED }> } else { follow::<RANDOM> };
     }
-    if features.intersects(Features::SHADED) {
+    if features.intersects(Features::SHADED) || disperses {
         return if aimed { follow::<{ SHADED | AIMED }> } else { follow::<SHADED> };
     }
     if nested && lobes.0 {

@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 use crate::scene::SceneView;
 use crate::scene::material::MaterialKind;
 use crate::scene::media::{MediaFeatures, MediumStack};
+use crate::scene::medium::Medium;
 
 pub use locator::{Locator, crossing};
 
@@ -51,10 +52,24 @@ impl<'a> Solids<'a> {
     }
 
     /// What kernels have to support for these solids: [`MediaFeatures::NESTED`] if the bounding boxes of
-    /// two of them overlap.
+    /// two of them overlap; [`MediaFeatures::DISPERSION`], with which it comes, if the refractive index of one depends on the
+    /// wavelength.
     #[must_use]
     pub fn features(&self) -> MediaFeatures {
-        if boxes_meet(&self.solids) { MediaFeatures::NESTED } else { MediaFeatures::NONE }
+        let is_dispersive =
+            |solid: &Solid| self.scene.media.get(solid.medium as usize).is_some_and(Medium::is_dispersive);
+        if self.solids.iter().any(is_dispersive) {
+            MediaFeatures::NESTED | MediaFeatures::DISPERSION
+        } else if self.overlap() {
+            MediaFeatures::NESTED
+        } else {
+            MediaFeatures::NONE
+        }
+    }
+
+    /// Whether the bounding boxes of two of them overlap.
+    pub(crate) fn overlap(&self) -> bool {
+        boxes_meet(&self.solids)
     }
 
     /// Builds the structure that finds the solids around a point.

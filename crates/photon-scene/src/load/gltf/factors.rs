@@ -15,6 +15,7 @@ const RANGES: &[(&str, &str, usize, [f64; 2])] = &[
     ("KHR_materials_clearcoat", "clearcoatRoughnessFactor", 1, ANY),
     ("KHR_materials_specular", "specularFactor", 1, ANY),
     ("KHR_materials_specular", "specularColorFactor", 3, ANY),
+    ("KHR_materials_dispersion", "dispersion", 1, [0.0, f64::MAX]),
     ("KHR_materials_sheen", "sheenColorFactor", 3, ANY),
     ("KHR_materials_sheen", "sheenRoughnessFactor", 1, ANY),
     ("KHR_materials_anisotropy", "anisotropyStrength", 1, ANY),
@@ -53,6 +54,10 @@ pub(super) fn check(extensions: &Extensions, part: &str) -> Result<(), Fault> {
 
 fn wrong(part: &str, name: &str, value: &str, count: usize, [low, high]: [f64; 2]) -> Fault {
     let kind = if count == 1 { "a number".to_owned() } else { format!("{count} numbers") };
-    let range = if low.is_finite() { format!(" from {low} to {high}") } else { String::new() };
+    let range = match [low, high] {
+        [f64::NEG_INFINITY, _] => String::new(),
+        [_, f64::MAX] => format!(" of at least {low}"),
+        _ => format!(" from {low} to {high}"),
+    };
     Fault::new(part, format!("{name} is {value}; it must be {kind}{range}"), AGAIN)
 }

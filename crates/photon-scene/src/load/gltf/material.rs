@@ -8,7 +8,7 @@ use super::parameters::{self, Parameters};
 use super::specular_glossiness;
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
-use crate::describe::{AlphaMode, MaterialDesc, Surface};
+use crate::describe::{AlphaMode, Dispersion, MaterialDesc, Surface};
 use crate::extras::{self, Agrees, CHANGED, MaterialExtras};
 use crate::report::LoadReport;
 use crate::shading::simplest;
@@ -28,6 +28,7 @@ const KNOWN: &[&str] = &[
     parameters::ANISOTROPY,
     parameters::DIFFUSE_TRANSMISSION,
     parameters::SHEEN,
+    parameters::DISPERSION,
 ];
 
 /// Converts one material; what is lost is reported.
@@ -55,6 +56,11 @@ pub(super) fn describe(
     if parameters.sheen_color != [0.0; 3] && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
         lines.left_out(&subject, "its sheen, which glass does not have here");
     }
+    if parameters.dispersion > 0.0 && !is_solid {
+        let text = "its KHR_materials_dispersion, since only solids of glass disperse light here; give it a transmissionFactor and a \
+                    thicknessFactor above 0";
+        lines.left_out(&subject, text);
+    }
     report_rest(material, &subject, &mut lines);
     let desc = MaterialDesc {
         emission: parameters.emission,
@@ -70,6 +76,7 @@ pub(super) fn describe(
         diffuse_transmission_color: parameters.transmission_color,
         transmission,
         transmission_absorption: absorption,
+        dispersion: (parameters.dispersion > 0.0 && is_solid).then(|| Dispersion::Abbe(20.0 / parameters.dispersion)),
         sheen_color: parameters.sheen_color,
         sheen_roughness: parameters.sheen_roughness,
         textures: parameters.textures,

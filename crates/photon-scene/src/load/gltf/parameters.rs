@@ -46,6 +46,8 @@ pub(super) struct Parameters {
     pub(super) transmission_color: [f64; 3],
     pub(super) sheen_color: [f64; 3],
     pub(super) sheen_roughness: f64,
+    /// 20 divided by the Abbe number of its glass; 0 without dispersion.
+    pub(super) dispersion: f64,
     /// Whether it bounds a volume rather than being a thin sheet.
     pub(super) is_solid: bool,
     /// Transmittance of `attenuation_distance`.
@@ -220,6 +222,7 @@ pub(super) fn read(
     let colors = means.image(slot("diffuseTransmissionColorTexture"), DIFFUSE_COLOR)?;
     let even_share = shares.filter(|shares| shares.used.is_none()).map_or(1.0, |shares| shares.mean.alpha);
     let leaf_color = leaf.and_then(|leaf| numbers(leaf, "diffuseTransmissionColorFactor")).unwrap_or([1.0; 3]);
+    let prism = extensions.others.get(DISPERSION);
     let cloth = extensions.others.get(SHEEN);
     let sheen_color = cloth.and_then(|cloth| numbers(cloth, "sheenColorFactor")).unwrap_or([0.0; 3]);
     let cloth = cloth.filter(|_| sheen_color != [0.0; 3]);
@@ -231,6 +234,7 @@ pub(super) fn read(
     let parameters = Parameters {
         sheen_color: times(sheen_color, sheen.and_then(|sheen| sheen.color())),
         sheen_roughness: sheen_roughness * even_sheen,
+        dispersion: prism.and_then(|prism| numbers(prism, "dispersion")).map_or(0.0, |[strength]| strength),
         diffuse_transmission: share * even_share,
         transmission_color: times(leaf_color, colors.and_then(|colors| colors.color())),
         anisotropy: if strength > 0.0 { [strength, rotation] } else { [0.0; 2] },
@@ -282,6 +286,9 @@ pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy";
 
 /// Extension of materials.
 pub(super) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
+
+/// Extension of materials.
+pub(super) const DISPERSION: &str = "KHR_materials_dispersion";
 
 /// Extension of materials.
 pub(super) const SHEEN: &str = "KHR_materials_sheen";

@@ -1,7 +1,7 @@
 //! Materials and textures.
 
 use super::file::{File, data_uri, png, says};
-use crate::describe::{AlphaMode, MaterialDesc, Surface};
+use crate::describe::{AlphaMode, Dispersion, MaterialDesc, Surface};
 use crate::report::LoadReport;
 
 pub(super) fn read(json: &str) -> (MaterialDesc, LoadReport) {
@@ -48,6 +48,23 @@ fn transmission_is_a_sheet_without_a_volume_and_a_solid_with_one() {
     let (sheet, report) = glass(r#", "KHR_materials_volume": {"attenuationDistance": 2}"#);
     assert!(matches!(sheet.surface, Surface::Thin { .. }));
     assert!(says(&report, "it", "thicknessFactor"));
+}
+
+#[test]
+fn solids_of_glass_disperse_light() {
+    let of = |strength: &str, volume: &str| {
+        glass(&format!(
+            r#", "KHR_materials_dispersion": {{"dispersion": {strength}}}, "KHR_materials_volume": {{{volume}}}"#
+        ))
+    };
+    let (solid, report) = of("0.33", r#""thicknessFactor": 1"#);
+    assert_eq!(solid.dispersion, Some(Dispersion::Abbe(20.0 / 0.33)));
+    assert!(report.lines.is_empty(), "{report}");
+    assert_eq!(of("0", r#""thicknessFactor": 1"#).0.dispersion, None);
+    let (sheet, report) = of("0.33", "");
+    assert!(sheet.dispersion.is_none() && says(&report, "it", "KHR_materials_dispersion"), "{report}");
+    let (matte, report) = read(r#""extensions": {"KHR_materials_dispersion": {"dispersion": 0.33}}"#);
+    assert!(matte.dispersion.is_none() && says(&report, "it", "thicknessFactor"), "{report}");
 }
 
 #[test]

@@ -53,6 +53,26 @@
 #define PM_MATERIAL_GLOSSY 4
 
 /**
+ * One refractive index for all light.
+ */
+#define PM_DISPERSION_NONE 0
+
+/**
+ * By the Abbe number, finite and above 0: the first of the numbers.
+ */
+#define PM_DISPERSION_ABBE 1
+
+/**
+ * A, B of n = A + B/λ², λ in micrometres. They replace the refractive index.
+ */
+#define PM_DISPERSION_CAUCHY 2
+
+/**
+ * B1, B2, B3, C1, C2, C3 of n² = 1 + Σ Bλ²/(λ² - C), λ in micrometres. They replace the refractive index.
+ */
+#define PM_DISPERSION_SELLMEIER 3
+
+/**
  * Emits equally in all directions.
  */
 #define PM_LIGHT_POINT 0
@@ -367,6 +387,14 @@ typedef struct PmMaterial {
    * Where solids overlap, the one with the highest priority counts (dielectric).
    */
   uint32_t priority;
+  /**
+   * How the refractive index depends on the wavelength, one of PM_DISPERSION_… (dielectric; an error for thin).
+   */
+  uint32_t dispersion;
+  /**
+   * Its numbers.
+   */
+  double dispersion_terms[6];
 } PmMaterial;
 
 /**

@@ -4,13 +4,14 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use photonmap::scene::{
-    CameraDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection, SceneBuilder,
-    Surface, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with,
+    CameraDesc, Dispersion, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection,
+    SceneBuilder, Surface, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with,
 };
 
 use crate::describe::{
-    PM_LIGHT_DIRECTIONAL, PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY,
-    PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR, PM_MATERIAL_THIN, PmCamera, PmLight, PmMaterial, PmMesh,
+    PM_DISPERSION_ABBE, PM_DISPERSION_CAUCHY, PM_DISPERSION_NONE, PM_DISPERSION_SELLMEIER, PM_LIGHT_DIRECTIONAL,
+    PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY, PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR,
+    PM_MATERIAL_THIN, PmCamera, PmLight, PmMaterial, PmMesh,
 };
 use crate::error::{Fault, PmStatus, Result, call, free};
 use crate::options::{self, PmLoadOptions};
@@ -121,6 +122,19 @@ pub unsafe extern "C" fn pm_builder_material(
         let mut desc = MaterialDesc::new(name.unwrap_or_default(), surface).with_priority(given.priority);
         desc.emission = given.emission;
         desc.emits_both_sides = given.emits_both_sides != 0;
+        let terms = given.dispersion_terms;
+        let dispersion = match given.dispersion {
+            PM_DISPERSION_NONE => None,
+            PM_DISPERSION_ABBE => Some(Dispersion::Abbe(terms[0])),
+            PM_DISPERSION_CAUCHY => Some(Dispersion::Cauchy([terms[0], terms[1]])),
+            PM_DISPERSION_SELLMEIER => Some(Dispersion::Sellmeier(terms)),
+            other => return Err(Fault::argument(format!("PmMaterial.dispersion is {other}, but there are 0 to 3"))),
+        };
+        // Fields that the kind does not use are ignored.
+        let refracts = matches!(given.kind, PM_MATERIAL_DIELECTRIC | PM_MATERIAL_THIN);
+        if let Some(dispersion) = dispersion.filter(|_| refracts) {
+            desc = desc.with_dispersion(dispersion);
+        }
         builder.materials.push(builder.scene.material(desc));
         if !id.is_null() {
             // SAFETY: not NULL; the caller's number.

@@ -15,6 +15,15 @@ pub const PM_MATERIAL_THIN: u32 = 3;
 /// Rough reflection (GGX): the metallic-roughness model of glTF 2.0.
 pub const PM_MATERIAL_GLOSSY: u32 = 4;
 
+/// One refractive index for all light.
+pub const PM_DISPERSION_NONE: u32 = 0;
+/// By the Abbe number, finite and above 0: the first of the numbers.
+pub const PM_DISPERSION_ABBE: u32 = 1;
+/// A, B of n = A + B/λ², λ in micrometres. They replace the refractive index.
+pub const PM_DISPERSION_CAUCHY: u32 = 2;
+/// B1, B2, B3, C1, C2, C3 of n² = 1 + Σ Bλ²/(λ² - C), λ in micrometres. They replace the refractive index.
+pub const PM_DISPERSION_SELLMEIER: u32 = 3;
+
 /// A material. Colours are linear RGB. Fields that its kind does not use are ignored.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +53,10 @@ pub struct PmMaterial {
     pub specular: f64,
     /// Where solids overlap, the one with the highest priority counts (dielectric).
     pub priority: u32,
+    /// How the refractive index depends on the wavelength, one of PM_DISPERSION_… (dielectric; an error for thin).
+    pub dispersion: u32,
+    /// Its numbers.
+    pub dispersion_terms: [f64; 6],
 }
 
 /// Triangles of one material. Arrays are copied.

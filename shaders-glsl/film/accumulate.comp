@@ -17,7 +17,7 @@ layout(constant_id = 2) const uint FROM = 0;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Values { vec3 at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Queries queries;
     Count query_count;
     // One of the two is used.
@@ -28,7 +28,9 @@ layout(push_constant, scalar) uniform Push {
     uint pixels;
     // For estimates: 1 / (π times the number of paths).
     float scale;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 vec3 value(uint i) {
     if (FROM == 1) return push.values[i].at;

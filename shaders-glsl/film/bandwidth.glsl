@@ -10,7 +10,7 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Factors { float at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     // Sums of all layers, and of the layer of each map.
     Planes sums[4];
     Planes lights[MAP_COUNT];
@@ -27,7 +27,9 @@ layout(push_constant, scalar) uniform Push {
     // `RadiusUpdate::bias` and `RadiusUpdate::noise`.
     float bias;
     float noise;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Planes of `radii`: bias and its square at the last update, a high and a low part each; the squared mean of the bias since
 // then, and the variance of that mean; the logarithm of the change of r².

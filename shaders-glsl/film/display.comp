@@ -21,7 +21,7 @@ layout(constant_id = 5) const bool IS_CLAMPED = false;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Shown { uint at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Planes sums[4];
     Hits hits;
     Shown shown;
@@ -30,7 +30,9 @@ layout(push_constant, scalar) uniform Push {
     float factor;
     float exposure;
     float inverse_passes;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 vec3 layer(uint index, uint pixel) {
     vec3 radiance;

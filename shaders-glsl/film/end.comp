@@ -12,13 +12,15 @@ layout(constant_id = 2) const uint LAYERS = 15;
 #include "film/film.glsl"
 #include "device/grid.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Planes passes[4];
     Planes sums[4];
     FirstPass first_pass;
     Planes first_sum;
     uint pixels;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void add(Planes sums, uint plane, uint low, uint pixel, float x) {
     film_add(sums, plane, low, push.pixels, pixel, x);

@@ -14,13 +14,15 @@ layout(constant_id = 2) const uint MAPS = 7;
 #include "film/film.glsl"
 #include "device/grid.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Planes pass;
     Planes sum;
     Planes pass_shapes[MAP_COUNT];
     Planes sum_shapes[MAP_COUNT];
     uint pixels;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Returns a number of the current pass and clears it.
 float take(Planes planes, uint plane, uint pixel) {

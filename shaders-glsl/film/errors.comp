@@ -18,7 +18,7 @@ layout(constant_id = 2) const uint FROM = 0;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Queries queries;
     Count query_count;
     Estimates estimates;
@@ -30,7 +30,9 @@ layout(push_constant, scalar) uniform Push {
     uint pixels;
     // 1 / (3π times the number of paths); or 1/3.
     float scale;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void add(Planes planes, uint plane, uint pixel, float x) {
     Planes place = film_place(planes, plane, push.pixels, pixel);

@@ -11,7 +11,7 @@
 
 layout(local_size_x_id = 1) in;
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     PhotonRows photons;
     // Photon index by slot.
     Words order;
@@ -24,7 +24,9 @@ layout(push_constant, scalar) uniform Push {
     uint count;
     // Capacity of the photon buffer.
     uint capacity;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Coordinates as ordered integers; padded by a word per leaf to avoid bank conflicts.
 shared uint keys[3][gl_WorkGroupSize.x / 16 * 17];

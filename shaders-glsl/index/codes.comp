@@ -12,7 +12,7 @@
 
 layout(local_size_x_id = 1) in;
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     PhotonRows photons;
     MapState state;
     // The keys that are sorted first.
@@ -20,7 +20,9 @@ layout(push_constant, scalar) uniform Push {
     Words low;
     Words high;
     uint count;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     uint i = thread();

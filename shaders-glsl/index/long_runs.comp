@@ -11,7 +11,7 @@
 
 layout(local_size_x_id = 1) in;
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     // Photon index by slot, and the higher words of the codes in that order.
     Words order;
     Words sorted_high;
@@ -20,7 +20,9 @@ layout(push_constant, scalar) uniform Push {
     Round round;
     Runs runs;
     uint count;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Whether two slots have the same code.
 bool same_code(uint a, uint b) {

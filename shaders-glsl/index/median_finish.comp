@@ -16,14 +16,16 @@ layout(local_size_x_id = 1) in;
 // Coherent, since invocations of a workgroup read what others of it write.
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Places { uint place; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     PhotonRows photons;
     Words lists;
     // By photon index: its position in its segment's first list.
     Places places;
     Words order;
     uint count;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 const uint MASKS = LIST_SHORT / 32;
 // The workgroup has 256 invocations.

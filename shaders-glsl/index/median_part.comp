@@ -10,7 +10,7 @@ layout(local_size_x_id = 1) in;
 #include "device/grid.glsl"
 #include "search/list_part.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Words lists;
     Words parted;
     // Number of photons that go left, by list, then by tile.
@@ -18,7 +18,9 @@ layout(push_constant, scalar) uniform Push {
     uint count;
     uint tiles;
     uint size;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     if (workgroup() >= 3 * push.tiles) return;

@@ -19,7 +19,7 @@ layout(local_size_x_id = 1) in;
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Codes { uvec2 code; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Ids { uint id; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     PhotonRows photons;
     // Photon index by slot; what was sorted by the previous codes.
     Ids ids;
@@ -30,7 +30,9 @@ layout(push_constant, scalar) uniform Push {
     Runs runs;
     Round next_round;
     Runs next_runs;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Runs up to this length are ranked by comparison.
 const uint SHORT = 512;

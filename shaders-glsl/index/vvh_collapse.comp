@@ -12,7 +12,7 @@
 
 layout(local_size_x_id = 1) in;
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     VvhDepth depth;
     VvhDepth next_depth;
     VvhNodes pending;
@@ -21,7 +21,9 @@ layout(push_constant, scalar) uniform Push {
     BoxNodes leaves;
     BoxNodes nodes;
     Words totals;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void leaf(uint number, uint block) {
     push.nodes[number].low = push.leaves[block].low;

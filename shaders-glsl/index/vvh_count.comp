@@ -12,7 +12,7 @@
 
 layout(local_size_x_id = 1) in;
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Words lists;
     VvhSegments segments;
     VvhJobs jobs;
@@ -24,7 +24,9 @@ layout(push_constant, scalar) uniform Push {
     uint count;
     // Maximum number of tiles.
     uint room;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     Words list = push.lists + gl_WorkGroupID.y * push.count;

@@ -17,7 +17,7 @@ layout(local_size_x_id = 1) in;
 // Coherent, since invocations of a workgroup read what others of it write.
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Places { uint place; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     PhotonRows photons;
     // A segment may be in either buffer.
     Words lists;
@@ -29,7 +29,9 @@ layout(push_constant, scalar) uniform Push {
     Words splits;
     Words order;
     uint count;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 const uint MASKS = LIST_SHORT / 32;
 const uint BLOCKS = LIST_SHORT / KD_TREE_WIDTH;

@@ -10,7 +10,7 @@ layout(local_size_x_id = 1) in;
 #include "search/list_part.glsl"
 #include "index/vvh_records.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Words lists;
     Words parted;
     VvhSegments segments;
@@ -20,7 +20,9 @@ layout(push_constant, scalar) uniform Push {
     Words counts;
     uint count;
     uint room;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     uint offset = gl_WorkGroupID.y * push.count;

@@ -12,7 +12,7 @@ layout(local_size_x_id = 1) in;
 #include "index/vvh.glsl"
 #include "index/vvh_records.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     PhotonRows photons;
     // Sorted by x, y, z, and index.
     Words lists;
@@ -29,7 +29,9 @@ layout(push_constant, scalar) uniform Push {
     uint count;
     // Bit 31: which of the two buffers the parts will be in.
     uint parity;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 shared uint first_job;
 

@@ -10,7 +10,7 @@
 
 layout(local_size_x_id = 1) in;
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Words lists;
     VvhSegments segments;
     VvhJobs jobs;
@@ -18,7 +18,9 @@ layout(push_constant, scalar) uniform Push {
     // One bit per photon, initially zero.
     Words right;
     uint count;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     for (uint job = gl_WorkGroupID.x; job < push.jobs.count; job += gl_NumWorkGroups.x) {

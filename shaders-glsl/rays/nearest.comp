@@ -32,7 +32,7 @@ struct Line {
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Lines { Line at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer Hits { uvec4 at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     SceneRef scene;
     Lines lines;
     Hits hits;
@@ -41,7 +41,9 @@ layout(push_constant, scalar) uniform Push {
     // Maximum number of rays per invocation. On a CPU, where few invocations run at a time, the first ones
     // would otherwise take all rays.
     uint quota;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 bool begin(uint index, out Walk walk) {
     Line line = push.lines[index].at;
@@ -55,12 +57,13 @@ void end(uint index, Hit hit) {
 }
 
 void main() {
+    SceneRef scene = push.scene;
     Walk walk;
     if (BUSY == 0u) {
         uint index = thread();
         if (index >= push.count) return;
         bool under_way = begin(index, walk);
-        while (under_way) under_way = walk_step(push.scene, walk, SHADOW);
+        while (under_way) under_way = walk_step(scene, walk, SHADOW);
         end(index, walk.best);
         return;
     }
@@ -77,7 +80,7 @@ void main() {
             if (!under_way) end(index, walk.best);
         }
         while (under_way) {
-            under_way = walk_step(push.scene, walk, SHADOW);
+            under_way = walk_step(scene, walk, SHADOW);
             if (!under_way) {
                 end(index, walk.best);
             } else if (subgroupBallotBitCount(subgroupBallot(true)) < BUSY) {

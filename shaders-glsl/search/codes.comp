@@ -18,14 +18,16 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Bo
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     BoxNodes nodes;
     Queries queries;
     Words query_count;
     Words codes;
     // Number of codes to write: those of queries, then padding that sorts last.
     uint count;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Inserts two zeros after each of eight bits.
 uint spread_bits(uint bits) {

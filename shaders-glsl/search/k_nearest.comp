@@ -52,6 +52,11 @@ shared uvec3 goods[TILES * TILE_POINTS];
 // Packed directions that photons came from, if `SHADING`.
 shared uint directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 
+// Parameters that every photon needs.
+Slots positions;
+Fluxes fluxes;
+float min_cosine;
+
 vec3 at, normal;
 // The shading normal, if `SHADING`.
 vec3 shading;
@@ -65,7 +70,7 @@ vec2 widths;
 Charlie sheen;
 bool is_sheen;
 
-Albedos albedos() { return Albedos(uvec2(push.threshold, floatBitsToUint(push.max_plane_distance))); }
+Albedos albedos() { return Albedos(push.albedos); }
 
 // Factor on the power of a photon, whose packed direction and normal these are.
 vec3 shading_factor(uint direction, uint photon_normal) {
@@ -88,14 +93,14 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Rows { uvec2
 #include "search/search_moments.glsl"
 
 void stage(uint mode, uint place, uint slot) {
-    uvec4 point = push.positions[slot].at;
+    uvec4 point = positions[slot].at;
     staged[place] = point;
     if (MODE == ROWS) {
         if (mode == COLLECT) goods[place].x = push.ids[slot].at;
         return;
     }
     if (mode == COLLECT || MODE == PAPER) {
-        uvec4 power = flux_at(FORMAT, push.power, slot);
+        uvec4 power = flux_at(FORMAT, fluxes, slot);
         goods[place] = power.xyz;
         if (SHADING != 0) directions[place] = power.w;
         if (MODE == PAPER) axes[place] = octahedral_unpack(power.w);
@@ -106,7 +111,7 @@ void stage(uint mode, uint place, uint slot) {
 bool accepts(uint place) {
     if (FILTER == 0) return true;
     float cosine = dot3(axes[place], normal);
-    return MODE == PAPER ? cosine > 0.0 : cosine >= push.min_cosine;
+    return MODE == PAPER ? cosine > 0.0 : cosine >= min_cosine;
 }
 
 // The bits of the squared distance to a staged point; all ones if it is rejected.
@@ -249,6 +254,9 @@ void main() {
     if (MODE != ROWS && gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
         push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
     }
+    positions = push.positions;
+    fluxes = push.power;
+    min_cosine = push.min_cosine;
     uvec2 own;
     if (!own_queries(own) || (TURNS != 0 && !pause_open())) return;
     column_find();

@@ -22,7 +22,7 @@ layout(constant_id = 3) const uint FORMAT = 2;
 #include "search/map_nodes.glsl"
 #include "search/search_distance.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     BoxNodes nodes;
     Slots positions;
     Fluxes power;
@@ -39,9 +39,16 @@ layout(push_constant, scalar) uniform Push {
     uint capacity;
     float radius;
     float min_cosine;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 const uint NONE = 0xFFFFFFFFu;
+
+// Parameters that every node or photon needs.
+BoxNodes nodes;
+Slots positions;
+float min_cosine;
 
 vec3 at, normal;
 // The nearest photon so far: bits of its squared distance, initially of the squared radius; its slot.
@@ -50,9 +57,9 @@ uint nearest_slot;
 
 void look(uint first, uint count) {
     for (uint slot = first; slot < first + count; slot++) {
-        uvec4 point = push.positions[slot].at;
+        uvec4 point = positions[slot].at;
         uint bits = floatBitsToUint(point_distance(at, uintBitsToFloat(point.xyz)));
-        bool same = push.min_cosine <= -1.0 || dot3(octahedral_unpack(point.w), normal) >= push.min_cosine;
+        bool same = min_cosine <= -1.0 || dot3(octahedral_unpack(point.w), normal) >= min_cosine;
         if (bits > best || !same) continue;
         if (bits == best && nearest_slot != NONE && push.ids[nearest_slot].at <= push.ids[slot].at) continue;
         best = bits;
@@ -61,7 +68,7 @@ void look(uint first, uint count) {
 }
 
 uint bits_to(uint node) {
-    vec3 low = uintBitsToFloat(push.nodes[node].low.xyz), high = uintBitsToFloat(push.nodes[node].high.xyz);
+    vec3 low = uintBitsToFloat(nodes[node].low.xyz), high = uintBitsToFloat(nodes[node].high.xyz);
     return floatBitsToUint(box_distance(at, low, high));
 }
 
@@ -73,7 +80,7 @@ void walk() {
     uvec2 group = uvec2(0);
     bool more = true;
     while (more) {
-        uint count = push.nodes[node].high.w, first = push.nodes[node].low.w;
+        uint count = nodes[node].high.w, first = nodes[node].low.w;
         more = false;
         if ((count & KD_TREE_LEAF) != 0) {
             look(first, count & ~KD_TREE_LEAF);
@@ -112,6 +119,9 @@ void main() {
     if (i >= count) return;
     uint index = ORDERED != 0 ? push.order[i].at : i;
     if (index >= push.capacity) return;
+    nodes = push.nodes;
+    positions = push.positions;
+    min_cosine = push.min_cosine;
     at = push.queries[index].at.position;
     normal = push.queries[index].at.normal;
     precise float radius = push.queries[index].at.radius * push.radius;

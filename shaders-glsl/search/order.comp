@@ -18,7 +18,7 @@ layout(constant_id = 3) const uint ORDERED = 0;
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Rows { uvec2 key; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Rows rows;
     Words ids;
     Words order;
@@ -28,7 +28,9 @@ layout(push_constant, scalar) uniform Push {
     uint k;
     // The smallest power of two not below k.
     uint room;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 shared uvec2 keys[ROOM];
 

@@ -30,7 +30,7 @@ layout(constant_id = 7) const uint FLAT = 0;
 layout(constant_id = 4) const uint KERNEL = 0;
 // Whether photons are filtered by normal.
 layout(constant_id = 5) const uint FILTER = 1;
-// Whether `ErrorMoments` are written with each estimate, to the address `push.ids`.
+// Whether `ErrorMoments` are written with each estimate.
 layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 
 // What photons are weighted by: nothing, the cosine to the query's shading normal, or the reflection of the query.
@@ -50,6 +50,12 @@ shared vec3 normals[TILES * TILE_POINTS];
 shared vec3 powers[TILES * TILE_POINTS];
 // Directions that photons came from, if `SHADING`.
 shared vec3 directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
+
+// Parameters that every photon needs.
+Slots positions;
+Fluxes fluxes;
+float min_cosine;
+float parameter;
 
 vec3 at, normal;
 // The shading normal, if `SHADING`.
@@ -71,16 +77,16 @@ Sum flux;
 uint photons;
 
 void stage(uint mode, uint place, uint slot) {
-    uvec4 point = push.positions[slot].at;
+    uvec4 point = positions[slot].at;
     staged[place] = point;
-    uvec4 flux = flux_at(FORMAT, push.power, slot);
+    uvec4 flux = flux_at(FORMAT, fluxes, slot);
     powers[place] = uintBitsToFloat(flux.xyz);
     if (MARKED && !gloss_caustics_counts(flux.w, 0u)) powers[place] = -powers[place];
     if (SHADING != 0) directions[place] = octahedral_unpack(flux.w);
     if (FILTER != 0 || SHADING != 0) normals[place] = octahedral_unpack(point.w);
 }
 
-Albedos albedos() { return Albedos(uvec2(push.threshold, push.k)); }
+Albedos albedos() { return Albedos(push.albedos); }
 
 // The power of a photon as it counts for the query.
 vec3 power_of(uint place) {
@@ -107,16 +113,16 @@ void add(uint place, inout vec3 sum) {
     float off = FLAT != 0 ? abs(dot3(point - at, normal)) : 0.0;
     if (ERROR_MOMENTS != 0) {
         bool near = floatBitsToUint(d2) < limit;
-        bool same = FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine;
+        bool same = FILTER == 0 || dot3(normals[place], normal) >= min_cosine;
         if (FLAT != 0) same = same && !(off > 1.41421356 * flat_most);
         bvec2 flat_enough = FLAT != 0 ? bvec2(!(off > flat_most), !(off > 0.70710678 * flat_most)) : bvec2(true);
         if (near) {
             error_moments_add(
-                KERNEL, push.parameter, point - at, normal, power_of(place), d2, d2 * scale, same, flat_enough, sum, photons);
+                KERNEL, parameter, point - at, normal, power_of(place), d2, d2 * scale, same, flat_enough, sum, photons);
         }
-    } else if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= push.min_cosine)
+    } else if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= min_cosine)
         && (FLAT == 0 || !(off > flat_most))) {
-        sum += power_of(place) * kernel_weight(KERNEL, push.parameter, min(d2 * scale, 1.0));
+        sum += power_of(place) * kernel_weight(KERNEL, parameter, min(d2 * scale, 1.0));
         photons++;
     }
 }
@@ -148,6 +154,10 @@ void main() {
     if (gl_LocalInvocationIndex == 0 && workgroup() == 0 && push.first == 0) {
         push.result_count[0].at = min(push.query_count[0].at, push.query_count[1].at);
     }
+    positions = push.positions;
+    fluxes = push.power;
+    min_cosine = push.min_cosine;
+    parameter = push.parameter;
     uvec2 own;
     if (!own_queries(own) || (TURNS != 0 && !pause_open())) return;
     uint place = own.x + gl_SubgroupInvocationID;
@@ -201,7 +211,7 @@ void main() {
     } else if (asked && index < push.capacity) {
         Estimates(push.results)[index].at = Estimate(
             flux.total - flux.excess, divisor, photons, squared_radius < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
-        if (ERROR_MOMENTS != 0) ErrorMomentsBuffer(push.ids)[index].at = error_moments_found();
+        if (ERROR_MOMENTS != 0) push.error_moments[index].at = error_moments_found();
     }
     if (TURNS != 0) pause_close();
 }

@@ -23,12 +23,14 @@ const uint TILE_POINTS = 32;
     f((place)); f((place) + 1); f((place) + 2); f((place) + 3); \
     f((place) + 4); f((place) + 5); f((place) + 6); f((place) + 7)
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     BoxNodes nodes;
     Words totals;
     Slots positions;
     Fluxes power;
     Words ids;
+    // Where `ErrorMoments` are written with each estimate, if at all.
+    ErrorMomentsBuffer error_moments;
     Queries queries;
     Words query_count;
     // Estimates, rows of keys, or words, depending on the kernel.
@@ -38,6 +40,8 @@ layout(push_constant, scalar) uniform Push {
     Words order;
     // Saved state of paused traversals: search_pause.glsl.
     Words pauses;
+    // With reflections: the table of albedos, `Albedos`.
+    uvec2 albedos;
     // Number of points in the map.
     uint points;
     // Range of queries of this dispatch.
@@ -49,14 +53,15 @@ layout(push_constant, scalar) uniform Push {
     float min_cosine;
     // The cone's slope, or the factor of the paper's filter.
     float parameter;
-    // With reflections: half of the address of the albedo table; the other half is `k` for radius.comp, and the bits of
-    // `max_plane_distance` for k_nearest.comp, which do not use them.
+    // Of the paper's estimate: the minimum number of photons.
     uint threshold;
     // Capacity of the results.
     uint capacity;
     // Maximum distance of photons from a query's plane, in radii.
     float max_plane_distance;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Which parts of a photon the map stores.
 layout(constant_id = 9) const uint FORMAT = FORMAT_FULL;

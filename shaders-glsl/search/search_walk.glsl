@@ -35,6 +35,7 @@ bool meets(vec3 low, vec3 high) {
 }
 
 void walk(uint mode) {
+    BoxNodes nodes = push.nodes;
     uint lane = gl_SubgroupInvocationID;
     uint levels = gl_SubgroupID * KD_TREE_MAX_DEPTH;
     // The box around all balls, enlarged enough to make rounding and underflow irrelevant.
@@ -124,7 +125,7 @@ void walk(uint mode) {
             uint child = next < KD_TREE_WIDTH ? next : findLSB(mask);
             next = KD_TREE_WIDTH;
             uint number = first + child;
-            uvec4 node_low = push.nodes[number].low, node_high = push.nodes[number].high;
+            uvec4 node_low = nodes[number].low, node_high = nodes[number].high;
             vec3 box_low = uintBitsToFloat(node_low.xyz), box_high = uintBitsToFloat(node_high.xyz);
             bool is_leaf = (node_high.w & KD_TREE_LEAF) != 0;
             bool enter = meets(box_low, box_high);
@@ -158,11 +159,11 @@ void walk(uint mode) {
                     same_left = push.totals[number].at;
                     same_start = accepted;
                     uint below = node_low.w;
-                    while ((push.nodes[below].high.w & KD_TREE_LEAF) == 0) {
-                        below = push.nodes[below].low.w;
+                    while ((nodes[below].high.w & KD_TREE_LEAF) == 0) {
+                        below = nodes[below].low.w;
                         turns += TURNS != 0 ? 1 : 0;
                     }
-                    same_first = push.nodes[below].low.w;
+                    same_first = nodes[below].low.w;
                     // Earlier nodes at the same position come before these.
                     if (!(same_at == box_low && same_first > same_last)) same_taken = 0;
                     same_at = box_low;
@@ -184,8 +185,8 @@ void walk(uint mode) {
                         bool met = false;
                         uint key = 0xFFFFFFFFu;
                         if (i < node_high.w && i < KD_TREE_WIDTH) {
-                            vec3 child_low = uintBitsToFloat(push.nodes[first + i].low.xyz);
-                            vec3 child_high = uintBitsToFloat(push.nodes[first + i].high.xyz);
+                            vec3 child_low = uintBitsToFloat(nodes[first + i].low.xyz);
+                            vec3 child_high = uintBitsToFloat(nodes[first + i].high.xyz);
                             met = all(lessThanEqual(child_low, high)) && all(greaterThanEqual(child_high, low));
                             uint gap = floatBitsToUint(box_distance(middle, child_low, child_high));
                             if (met) key = (gap & ~15u) | i;

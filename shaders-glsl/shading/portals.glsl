@@ -14,8 +14,7 @@ const float PORTAL_NO_AREA = 1e-25;
 struct Portal {
     vec3 corner;
     // The other corners, relative to it.
-    vec3 first;
-    vec3 second;
+    vec3 edges[2];
     // A normal as long as the triangle's area.
     vec3 area;
 };
@@ -58,7 +57,7 @@ bool portal_triangle_crosses(vec3 corner, vec3 first, vec3 second, vec3 area, ve
 
 bool portal_crosses(PortalTable portals, uint index, vec3 across, vec3 direction) {
     Portal portal = portals[index].at;
-    return portal_triangle_crosses(portal.corner, portal.first, portal.second, portal.area, across, direction);
+    return portal_triangle_crosses(portal.corner, portal.edges[0], portal.edges[1], portal.area, across, direction);
 }
 
 uint portal_choose(PortalTable portals, uint count, vec3 direction, float target) {
@@ -82,7 +81,7 @@ vec3 portal_triangle_through(vec3 corner, vec3 one, vec3 two, vec3 direction, ve
 vec3 portal_through(PortalTable portals, uint index, vec3 direction, vec2 at) {
     Portal portal = portals[index].at;
     vec2 weights = sampling_triangle(at.x, at.y);
-    return portal_triangle_through(portal.corner, portal.first, portal.second, direction, weights);
+    return portal_triangle_through(portal.corner, portal.edges[0], portal.edges[1], direction, weights);
 }
 
 vec3 portal_disc(vec3 direction, vec2 at, float radius) {

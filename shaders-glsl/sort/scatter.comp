@@ -13,7 +13,7 @@ layout(constant_id = 2) const uint KEY_WORDS = 1;
 #include "device/words.glsl"
 #include "sort/sort_tile.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Words keys;
     Words values;
     Words sorted_keys;
@@ -28,7 +28,9 @@ layout(push_constant, scalar) uniform Push {
     uint shift;
     // Bit 0: values are the indices of the elements and are not read. Bit 1: the sorted keys are not needed.
     uint flags;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Adds the position of the first key of every digit to `sort_offset`.
 void add_starts(uint tile) {

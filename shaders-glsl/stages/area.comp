@@ -33,7 +33,7 @@ layout(constant_id = 5) const bool REFLECTIONS = false;
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     SceneRef scene;
     Queries queries;
     Count count;
@@ -47,7 +47,9 @@ layout(push_constant, scalar) uniform Push {
     float slope;
     // Maximum distance of photons from a query's plane, in radii.
     float max_plane_distance;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // The nearest surface that is not glass; its `t` is relative to the ray's origin.
 bool opaque(Ray ray, out Surface found) {

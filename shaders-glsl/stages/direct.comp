@@ -32,7 +32,7 @@ layout(constant_id = 4) const uint GROUPS = 0;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     SceneRef scene;
     Queries queries;
     Count count;
@@ -44,7 +44,9 @@ layout(push_constant, scalar) uniform Push {
     uint start;
     uint start_ray;
     uint end_ray;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // ⌊(ray · 2³² + random) / rays⌋, for ray < rays: stratified selection of lights.
 uint stratum(uint ray, uint rays, uint random) {

@@ -23,7 +23,7 @@ layout(constant_id = 3) const bool AIMED = false;
 #include "shading/sun.glsl"
 #include "shading/portals.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     SceneRef scene;
     PhotonRays rays;
     uvec2 seed;
@@ -33,7 +33,9 @@ layout(push_constant, scalar) uniform Push {
     uint portal_count;
     ProjectionRef projection;
     PortalTable portals;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // In a function of its own, since the compiler does not support `precise` on values just loaded.
 vec3 behind_disc(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, float radius) {

@@ -49,7 +49,7 @@ const bool THIN_LENS = (FEATURES & FEATURE_THIN_LENS) != 0u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     SceneRef scene;
     Cameras camera;
     FirstPass first;
@@ -67,7 +67,9 @@ layout(push_constant, scalar) uniform Push {
     uint max_bounces;
     // Number of paths that were truncated.
     LongCounter truncated;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // An active camera path.
 struct Path {

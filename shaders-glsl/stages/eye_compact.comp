@@ -15,7 +15,7 @@ layout(constant_id = 2) const uint PLACES_LOG2 = 2;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     // As the camera pass stored them.
     Queries found;
     Words counts;
@@ -26,7 +26,9 @@ layout(push_constant, scalar) uniform Push {
     uint capacity;
     uint start;
     uint count;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     uint place = thread();

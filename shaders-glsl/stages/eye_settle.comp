@@ -11,7 +11,7 @@ layout(local_size_x_id = 1) in;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Words { uint at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Queries from;
     Queries queries;
     // Number of queries before each pixel, and in total.
@@ -21,7 +21,9 @@ layout(push_constant, scalar) uniform Push {
     uint start;
     uint end;
     uint pixels;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     uint i = thread();

@@ -23,7 +23,7 @@ layout(constant_id = 2) const uint MEDIA = 1;
 #include "shading/scattering.glsl"
 #include "shading/shade.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     SceneRef scene;
     Queries queries;
     Queries landings;
@@ -39,7 +39,9 @@ layout(push_constant, scalar) uniform Push {
     uint padding;
     // Number of rays that were truncated.
     LongCounter truncated;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // A position without photons: the query of a ray that hit nothing, whose estimate is 0.
 const float NOWHERE = 1.0e6;

@@ -18,7 +18,7 @@ layout(constant_id = 3) const uint IRRADIANCE = 0;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Queries landings;
     Estimates estimates;
     Values values;
@@ -34,7 +34,9 @@ layout(push_constant, scalar) uniform Push {
     // 1 / number of rays.
     float share;
     uint padding;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     uint local = thread();

@@ -11,7 +11,7 @@ layout(local_size_x_id = 1) in;
 #include "shading/layout.glsl"
 #include "shading/octahedral.glsl"
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Queries queries;
     Estimates estimates;
     Photons points;
@@ -20,7 +20,9 @@ layout(push_constant, scalar) uniform Push {
     uint first;
     // 1 / (π times the number of paths).
     float scale;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     uint i = thread();

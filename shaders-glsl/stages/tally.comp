@@ -21,14 +21,16 @@ layout(constant_id = 4) const uint FATES = 4;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counts { uint at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Sums { uint at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     PhotonRays rays;
     Endings endings;
     Counts stored;
     Sums sums;
     uint first;
     uint count;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Two words each: paths by fate, surfaces, photons by map, paths nested in too many solids. Then three words
 // for each channel of the emitted flux, and of the flux by fate.

@@ -83,7 +83,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Chunk {
     uint count;
 };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Chunk chunk;
     // Parameters needed at every surface.
     SceneRef scene;
@@ -102,7 +102,9 @@ layout(push_constant, scalar) uniform Push {
     uint begins;
     uint places;
     uint max_bounces;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 const bool ABSORPTION = (FEATURES & FEATURE_ABSORPTION) != 0u;
 
@@ -365,6 +367,7 @@ const uint ARRIVED = 2u;
 const uint IDLE = 3u;
 
 void main() {
+    SceneRef scene = push.scene;
     uint given = push.begins != 0u ? push.chunk.count : push.now.given;
     uint turn = 0u;
     uint number = next_path(turn, given);
@@ -379,8 +382,8 @@ void main() {
         while (any) {
             uint fate = FATE_DROPPED;
             if (is_sane(path)) {
-                bool under_way = walk_begin(push.scene, path.ray, layer(path), walk);
-                while (under_way) under_way = walk_step(push.scene, walk, false);
+                bool under_way = walk_begin(scene, path.ray, layer(path), walk);
+                while (under_way) under_way = walk_step(scene, walk, false);
                 fate = step_path(path, walk.best);
             }
             --path.left;
@@ -404,12 +407,12 @@ void main() {
                 state = goes_on ? READY : IDLE;
             }
             if (state == READY) {
-                bool starts = is_sane(path) && walk_begin(push.scene, path.ray, layer(path), walk);
+                bool starts = is_sane(path) && walk_begin(scene, path.ray, layer(path), walk);
                 state = starts ? UNDER_WAY : ARRIVED;
                 if (!starts) walk.best.primitive = NO_PRIMITIVE;
             }
         } else if (state == UNDER_WAY) {
-            if (!walk_step(push.scene, walk, false)) state = ARRIVED;
+            if (!walk_step(scene, walk, false)) state = ARRIVED;
         }
     }
 }

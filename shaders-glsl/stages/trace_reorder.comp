@@ -4,7 +4,6 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
-#extension GL_EXT_control_flow_attributes : require
 
 layout(local_size_x_id = 1) in;
 // Photon format of each map, two bits each.
@@ -24,7 +23,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Fi
     uint capacity;
 };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Photons photons;
     Owners owners;
     // An array of `count` words for each map: number of photons before those of each path.
@@ -34,7 +33,9 @@ layout(push_constant, scalar) uniform Push {
     Fill fills[MAP_COUNT];
     uint count;
     uint places;
-} push;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     uint stored = min(push.cursors.place, push.places);
@@ -42,15 +43,8 @@ void main() {
     for (uint i = thread(); i < stored; i += threads) {
         uvec2 owner = push.owners[i].at;
         uint map = owner.y & (1u << MAP_BITS) - 1u;
-        // With constant indices, since some drivers do not support others for push constants.
-        Fill fill = push.fills[0];
-        Photons to = push.to[0];
-        [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) {
-            if (map == m) {
-                fill = push.fills[m];
-                to = push.to[m];
-            }
-        }
+        Fill fill = push.fills[map];
+        Photons to = push.to[map];
         uint place = fill.needed + push.offsets[map * push.count + owner.x].at + (owner.y >> MAP_BITS);
         // Photons beyond the capacity are counted but not stored; the pass is then repeated.
         if (place >= fill.capacity) continue;

@@ -8,8 +8,8 @@ use glslang::{
     SpirvVersion, Target, VulkanVersion,
 };
 
-use crate::no_contraction;
 use crate::sources::{Shader, read};
+use crate::{no_contraction, parameters};
 
 /// Resolves `#include "folder/stem.glsl"` within one folder.
 struct Includes<'a> {
@@ -41,5 +41,8 @@ pub(crate) fn compile(kernel: &Shader, includes: &Path) -> Result<Vec<u32>, Stri
     let input = ShaderInput::new(&source, ShaderStage::Compute, &options, defines, Some(&mut handler))
         .map_err(|error| error.to_string())?;
     let shader = compiler.create_shader(input).map_err(|error| error.to_string())?;
-    shader.compile().map(|words| no_contraction::decorate(&words)).map_err(|error| error.to_string())
+    shader
+        .compile()
+        .map(|words| parameters::decorate(&no_contraction::decorate(&words)))
+        .map_err(|error| error.to_string())
 }

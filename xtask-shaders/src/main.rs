@@ -6,7 +6,9 @@
 
 mod apart;
 mod compile;
+mod instructions;
 mod no_contraction;
+mod parameters;
 mod sources;
 mod write;
 

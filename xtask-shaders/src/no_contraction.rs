@@ -5,26 +5,19 @@
 
 use std::collections::BTreeSet;
 
-/// Words before the first instruction.
-const HEADER: usize = 5;
+use crate::instructions::{before_types, instructions};
 
 const DECORATE: u32 = 71;
 const NO_CONTRACTION: u32 = 42;
-/// `OpTypeVoid` to `OpTypeForwardPointer`: types follow the decorations.
-const TYPES: std::ops::RangeInclusive<u32> = 19..=39;
 /// `OpFNegate`, `OpFAdd`, `OpFSub`, `OpFMul`, `OpFDiv`, `OpFRem`, `OpFMod`, and `OpVectorTimesScalar` to `OpDot`.
 const ARITHMETIC: [u32; 14] = [127, 129, 131, 133, 136, 140, 141, 142, 143, 144, 145, 146, 147, 148];
 
 /// The module with the decorations.
 pub(crate) fn decorate(words: &[u32]) -> Vec<u32> {
-    let mut first_type = words.len();
     let mut decorated = BTreeSet::new();
     let mut results = Vec::new();
-    for (at, instruction) in instructions(words) {
+    for (_, instruction) in instructions(words) {
         let op = instruction[0] & 0xFFFF;
-        if TYPES.contains(&op) {
-            first_type = first_type.min(at);
-        }
         match instruction {
             [_, id, NO_CONTRACTION] if op == DECORATE => {
                 decorated.insert(*id);
@@ -34,28 +27,14 @@ pub(crate) fn decorate(words: &[u32]) -> Vec<u32> {
         }
     }
     let missing = results.into_iter().filter(|id| !decorated.contains(id));
-    let added = missing.flat_map(|id| [3 << 16 | DECORATE, id, NO_CONTRACTION]);
-    words[..first_type].iter().copied().chain(added).chain(words[first_type..].iter().copied()).collect()
-}
-
-/// Instructions, and where they begin.
-fn instructions(words: &[u32]) -> impl Iterator<Item = (usize, &[u32])> {
-    let mut at = HEADER;
-    std::iter::from_fn(move || {
-        let start = at;
-        let length = (words.get(start)? >> 16) as usize;
-        at += length.max(1);
-        Some((start, words.get(start..at)?))
-    })
+    let added: Vec<u32> = missing.flat_map(|id| [3 << 16 | DECORATE, id, NO_CONTRACTION]).collect();
+    before_types(words, &added)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn op(code: u32, operands: &[u32]) -> Vec<u32> {
-        [&[(operands.len() as u32 + 1) << 16 | code], operands].concat()
-    }
+    use crate::instructions::{HEADER, op};
 
     #[test]
     fn what_is_not_decorated_yet_is_decorated_before_the_types() {

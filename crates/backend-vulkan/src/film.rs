@@ -4,7 +4,6 @@
 //! floats each: a device need not support f64 or float atomics. A layer is allocated when something is first
 //! added to it.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Estimate, Film, Layer, Query, Result, Units, check_size};
 
 use crate::constants::{FIRST_ALBEDO, FIRST_DEPTH, FIRST_HITS, FIRST_LOW, FIRST_NORMAL, FIRST_SQUARE};
@@ -58,33 +57,29 @@ const FIRST_PLANES: usize = FIRST_HITS as usize + 1;
 /// Bytes per pixel of `FirstPass`.
 const FIRST_PASS: u64 = 32;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct AccumulatePush {
-    queries: u64,
-    query_count: u64,
-    estimates: u64,
-    values: u64,
-    found_count: u64,
-    pass: u64,
-    pixels: u32,
-    scale: f32,
+parameters! {
+    struct AccumulatePush => FILM_ACCUMULATE {
+        queries: u64,
+        query_count: u64,
+        estimates: u64,
+        values: u64,
+        found_count: u64,
+        pass: u64,
+        pixels: u32,
+        scale: f32,
+    }
 }
 
-pushed!(fold_push_layout: AccumulatePush => FILM_ACCUMULATE, queries query_count estimates values found_count pass pixels scale);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct EndPush {
-    passes: [u64; 4],
-    sums: [u64; 4],
-    first_pass: u64,
-    first_sum: u64,
-    pixels: u32,
-    padding: u32,
+parameters! {
+    struct EndPush => FILM_END {
+        passes: [u64; 4],
+        sums: [u64; 4],
+        first_pass: u64,
+        first_sum: u64,
+        pixels: u32,
+        padding: u32,
+    }
 }
-
-pushed!(end_push_layout: EndPush => FILM_END, passes sums first_pass first_sum pixels padding);
 
 specialized!(accumulate_constants: AccumulateConstants => FILM_ACCUMULATE, 2 from: u32);
 

@@ -9,7 +9,7 @@
 
 // First, since their macros are used in the modules below.
 #[macro_use]
-mod push;
+mod parameters;
 #[macro_use]
 mod specialization;
 

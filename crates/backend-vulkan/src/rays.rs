@@ -1,6 +1,5 @@
 //! Ray queries for rays supplied by the caller: nearest hits and occlusion.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Hit, Ray, Result, Stage};
 
 use crate::device::{ComputePipeline, Memory};
@@ -37,28 +36,26 @@ impl RayPlan {
 /// An invocation may take at most this multiple of the mean number of rays.
 const MARGIN: u32 = 4;
 
-/// `Line` of nearest.comp.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Line {
-    origin: [f32; 3],
-    t_max: f32,
-    direction: [f32; 3],
-    reserved: u32,
+host_struct! {
+    /// `Line` of nearest.comp.
+    struct Line {
+        origin: [f32; 3],
+        t_max: f32,
+        direction: [f32; 3],
+        reserved: u32,
+    }
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    scene: u64,
-    lines: u64,
-    hits: u64,
-    counter: u64,
-    count: u32,
-    quota: u32,
+parameters! {
+    struct Push => RAYS_NEAREST {
+        scene: u64,
+        lines: u64,
+        hits: u64,
+        counter: u64,
+        count: u32,
+        quota: u32,
+    }
 }
-
-pushed!(push_layout: Push => RAYS_NEAREST, scene lines hits counter count quota);
 
 specialized!(nearest_constants: NearestConstants => RAYS_NEAREST, 2 shadow: bool, 3 busy: u32, 10 shared_groups: u32);
 

@@ -2,7 +2,6 @@
 //! prefix sums within each tile. No workgroup waits for another, since Vulkan does not guarantee forward
 //! progress.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
 use crate::constants::SCAN_ITEMS;
@@ -28,40 +27,34 @@ pub(crate) struct Scan {
     scratch: Memory,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct SumsPush {
-    from: u64,
-    sums: u64,
-    count: u32,
-    pad: u32,
+parameters! {
+    struct SumsPush => SCAN_SUMS {
+        from: u64,
+        sums: u64,
+        count: u32,
+        pad: u32,
+    }
 }
 
-pushed!(sums_push_layout: SumsPush => SCAN_SUMS, from sums count pad);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct AlonePush {
-    from: u64,
-    to: u64,
-    total: u64,
-    count: u32,
-    has_total: u32,
+parameters! {
+    struct AlonePush => SCAN_ALONE {
+        from: u64,
+        to: u64,
+        total: u64,
+        count: u32,
+        has_total: u32,
+    }
 }
 
-pushed!(alone_push_layout: AlonePush => SCAN_ALONE, from to total count has_total);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct TilesPush {
-    from: u64,
-    to: u64,
-    sums: u64,
-    count: u32,
-    pad: u32,
+parameters! {
+    struct TilesPush => SCAN_TILES {
+        from: u64,
+        to: u64,
+        sums: u64,
+        count: u32,
+        pad: u32,
+    }
 }
-
-pushed!(tiles_push_layout: TilesPush => SCAN_TILES, from to sums count pad);
 
 impl Scan {
     /// # Errors

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use photon_core::glam::Vec3;
 use photon_core::{
     Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, Spectrum, light_probability,
@@ -23,7 +23,7 @@ const BLOCK: usize = 1 << 20;
 /// A scene on the device, ready for tracing.
 #[derive(Debug)]
 pub struct VulkanScene {
-    /// One `Record`, which holds the addresses of all tables.
+    /// One `SceneRef`, which holds the addresses of all tables.
     record: Memory,
     /// The tables that `record` points to.
     _tables: Vec<Memory>,
@@ -37,39 +37,41 @@ pub struct VulkanScene {
     pub build_seconds: f64,
 }
 
-/// `SceneRef` of scene.glsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Record {
-    nodes: u64,
-    corners: u64,
-    primitives: u64,
-    materials: u64,
-    lights: u64,
-    light_cdf: u64,
-    emissions: u64,
-    media: u64,
-    triangles: u32,
-    light_count: u32,
-    shading: u64,
-    environment: u64,
-    light_tree: u64,
-    spectrum: u64,
+host_struct! {
+    /// `SceneRef` of scene.glsl.
+    struct SceneRef {
+        nodes: u64,
+        corners: u64,
+        primitives: u64,
+        materials: u64,
+        lights: u64,
+        light_cdf: u64,
+        emissions: u64,
+        media: u64,
+        triangles: u32,
+        light_count: u32,
+        shading: u64,
+        environment: u64,
+        light_tree: u64,
+        spectrum: u64,
+    }
 }
 
-/// `Emission` of scene.glsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Emission {
-    carried: [f32; 3],
-    probability: f32,
-    corners: [[f32; 3]; 3],
-    normal: [f32; 3],
-    margin: f32,
-    /// Media that paths start in, on the front and on the back side.
-    media: [u32; 2],
-    /// Position of the triangle in BVH order.
-    slot: u32,
+host_struct! {
+    /// `Emission` of scene.glsl.
+    struct Emission {
+        carried: [f32; 3],
+        probability: f32,
+        a: [f32; 3],
+        b: [f32; 3],
+        c: [f32; 3],
+        normal: [f32; 3],
+        margin: f32,
+        /// Media that paths start in, on the front and on the back side.
+        media: [u32; 2],
+        /// Position of the triangle in BVH order.
+        slot: u32,
+    }
 }
 
 impl VulkanScene {
@@ -113,7 +115,7 @@ impl VulkanScene {
         }
         let lit_by_tree = SceneKind::has_light_tree(present, required);
         let shading = shading::upload(&mut upload, view, &tree.order)?;
-        let record = Record {
+        let record = SceneRef {
             nodes,
             corners,
             primitives,
@@ -178,7 +180,7 @@ fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -
     let light = &view.lights[index];
     let share = light_probability(view.light_cdf, index);
     let area = light.kind == photon_core::Light::TRIANGLE;
-    let (corners, normal, margin) = if area {
+    let ([a, b, c], normal, margin) = if area {
         let primitive = light.primitive as usize;
         let corners = view.triangles[primitive].map(|vertex| view.positions[vertex as usize]);
         (corners, view.primitives[primitive].normal, margin(corners))
@@ -187,7 +189,7 @@ fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -
     };
     let carried = light.power.map(|power| (f64::from(power) / share) as f32);
     let media = locator.map_or([0; 2], |locator| locator.of_light(light).map(|stack| stack.bits()));
-    Emission { carried, probability: share as f32, corners, normal, margin, media, slot: 0 }
+    Emission { carried, probability: share as f32, a, b, c, normal, margin, media, slot: 0 }
 }
 
 /// Tables being uploaded.

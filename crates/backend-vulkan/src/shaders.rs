@@ -132,6 +132,9 @@ pub(crate) static PROBE_LIGHT_TREE: Module =
     Module { name: "probe_light_tree", bytes: include_bytes!("../spirv/probe_light_tree.spv") };
 
 #[cfg(test)]
+pub(crate) static PROBE_MAPS: Module = Module { name: "probe_maps", bytes: include_bytes!("../spirv/probe_maps.spv") };
+
+#[cfg(test)]
 pub(crate) static PROBE_MATH: Module = Module { name: "probe_math", bytes: include_bytes!("../spirv/probe_math.spv") };
 
 #[cfg(test)]
@@ -336,7 +339,7 @@ pub(crate) static KERNELS: [&Module; 58] = [
 
 /// Those of tests and of the example.
 #[cfg(test)]
-pub(crate) static TEST_KERNELS: [&Module; 27] = [
+pub(crate) static TEST_KERNELS: [&Module; 28] = [
     &EXAMPLE_PHOTONS,
     &PROBE_ALPHA,
     &PROBE_AREA,
@@ -349,6 +352,7 @@ pub(crate) static TEST_KERNELS: [&Module; 27] = [
     &PROBE_LAYOUT,
     &PROBE_LIGHT_SAMPLER,
     &PROBE_LIGHT_TREE,
+    &PROBE_MAPS,
     &PROBE_MATH,
     &PROBE_MEDIA,
     &PROBE_OCTAHEDRAL,

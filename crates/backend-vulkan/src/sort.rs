@@ -3,7 +3,6 @@
 //! Harris, Garland 2009, *Designing Efficient Sorting Algorithms for Manycore GPUs*). No workgroup waits for
 //! another.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Result};
 
 use crate::constants::{SORT_DIGITS, SORT_ITEMS, SORT_SUBGROUPS};
@@ -55,49 +54,40 @@ pub(crate) struct Pairs {
     pub(crate) forget_keys: bool,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct CountPush {
-    keys: u64,
-    counts: u64,
-    count: u32,
-    tiles: u32,
-    shift: u32,
-    pad: u32,
+parameters! {
+    struct CountPush => SORT_COUNT {
+        keys: u64,
+        counts: u64,
+        count: u32,
+        tiles: u32,
+        shift: u32,
+        pad: u32,
+    }
 }
 
-pushed!(count_push_layout: CountPush => SORT_COUNT, keys counts count tiles shift pad);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct OffsetsPush {
-    counts: u64,
-    totals: u64,
-    tiles: u32,
-    alone: u32,
+parameters! {
+    struct OffsetsPush => SORT_OFFSETS {
+        counts: u64,
+        totals: u64,
+        tiles: u32,
+        alone: u32,
+    }
 }
 
-pushed!(offsets_push_layout: OffsetsPush => SORT_OFFSETS, counts totals tiles alone);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct ScatterPush {
-    keys: u64,
-    values: u64,
-    sorted_keys: u64,
-    sorted_values: u64,
-    counts: u64,
-    totals: u64,
-    count: u32,
-    tiles: u32,
-    shift: u32,
-    flags: u32,
+parameters! {
+    struct ScatterPush => SORT_SCATTER {
+        keys: u64,
+        values: u64,
+        sorted_keys: u64,
+        sorted_values: u64,
+        counts: u64,
+        totals: u64,
+        count: u32,
+        tiles: u32,
+        shift: u32,
+        flags: u32,
+    }
 }
-
-pushed!(
-    scatter_push_layout: ScatterPush => SORT_SCATTER,
-    keys values sorted_keys sorted_values counts totals count tiles shift flags
-);
 
 specialized!(key_constants: KeyConstants => SORT_COUNT SORT_SCATTER, 2 key_words: u32);
 

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use bytemuck::Pod;
 use gpu_allocator::MemoryLocation;
 use photon_core::{Error, Result};
 use photon_scene::CompressedTree;
@@ -12,6 +11,7 @@ use crate::device::{
     Recorder,
 };
 use crate::dispatch_limits::DispatchLimits;
+use crate::parameters::Parameters;
 use crate::shaders;
 use crate::specialization::Constants;
 use crate::stages::TracePlan;
@@ -188,8 +188,13 @@ impl Vulkan {
         self.pipelines.take_seconds()
     }
 
-    /// Dispatches the given number of workgroups of a kernel.
-    pub(crate) fn dispatch<P: Pod>(&mut self, kernel: &ComputePipeline, push: &P, workgroups: u64) -> Result<()> {
+    /// Dispatches the given number of workgroups of a kernel, which reads a copy of the parameters.
+    pub(crate) fn dispatch<P: Parameters>(
+        &mut self,
+        kernel: &ComputePipeline,
+        parameters: &P,
+        workgroups: u64,
+    ) -> Result<()> {
         if workgroups == 0 {
             return Ok(());
         }
@@ -198,25 +203,26 @@ impl Vulkan {
                 Fault::Other(format!("{}: {workgroups} workgroups exceed the limit of 2^30", kernel.name)).into()
             );
         }
-        let push = bytemuck::bytes_of(push);
-        assert!(push.len() <= 128, "{}: {} bytes of push constants", kernel.name, push.len());
-        let pipeline = self.pipelines.compiled(kernel)?;
-        self.recorder.dispatch(self.pipelines.layout, pipeline, push, Groups::Flat(workgroups))
+        self.record(kernel, parameters, Groups::Flat(workgroups))
     }
 
     /// Indirect dispatch: the three words of `args` at `offset` are the numbers of workgroups.
-    pub(crate) fn dispatch_indirect<P: Pod>(
+    pub(crate) fn dispatch_indirect<P: Parameters>(
         &mut self,
         kernel: &ComputePipeline,
-        push: &P,
+        parameters: &P,
         args: &Memory,
         offset: u64,
     ) -> Result<()> {
         check(args, offset, 12);
-        let push = bytemuck::bytes_of(push);
-        assert!(push.len() <= 128, "{}: {} bytes of push constants", kernel.name, push.len());
+        self.record(kernel, parameters, Groups::Indirect(args, offset))
+    }
+
+    fn record<P: Parameters>(&mut self, kernel: &ComputePipeline, parameters: &P, groups: Groups<'_>) -> Result<()> {
+        let listed = P::MODULES.iter().any(|known| known.name == kernel.name);
+        debug_assert!(listed, "parameters of other kernels than {}", kernel.name);
         let pipeline = self.pipelines.compiled(kernel)?;
-        self.recorder.dispatch(self.pipelines.layout, pipeline, push, Groups::Indirect(args, offset))
+        self.recorder.dispatch(self.pipelines.layout, pipeline, bytemuck::bytes_of(parameters), groups)
     }
 
     /// Sets every word of a range; offset and length are multiples of 4.

@@ -138,7 +138,6 @@ impl Offer {
         }
         let limits = &self.limits;
         let floors = [
-            ("push constants of 128 bytes", limits.max_push_constants_size >= 128),
             ("32 KiB of shared memory", limits.max_compute_shared_memory_size >= 32 * 1024),
             ("workgroups of 256", limits.max_compute_work_group_invocations >= 256),
             ("a compute queue", self.computes),
@@ -233,7 +232,6 @@ mod tests {
     /// A device that just meets the baseline.
     fn enough() -> Offer {
         let limits = vk::PhysicalDeviceLimits {
-            max_push_constants_size: 128,
             max_compute_shared_memory_size: 32 * 1024,
             max_compute_work_group_invocations: 256,
             ..Default::default()
@@ -259,7 +257,7 @@ mod tests {
     #[test]
     fn whatever_is_missing_is_named() {
         assert_eq!(enough().lacks(), Vec::<String>::new());
-        let harms: [Harm; 13] = [
+        let harms: [Harm; 12] = [
             ("Vulkan 1.2 (it has 1.1)", |offer| offer.version = (1, 1)),
             ("shaderInt64", |offer| offer.int64 = false),
             ("bufferDeviceAddress", |offer| offer.address = false),
@@ -269,7 +267,6 @@ mod tests {
             ("subgroup operations in compute", |offer| offer.subgroup &= !vk::SubgroupFeatureFlags::SHUFFLE),
             ("subgroups of 4 to 128", |offer| offer.subgroup_size = 1),
             ("subgroups of 4 to 128", |offer| offer.subgroup_size = 256),
-            ("push constants of 128 bytes", |offer| offer.limits.max_push_constants_size = 127),
             ("32 KiB of shared memory", |offer| offer.limits.max_compute_shared_memory_size = 16 * 1024),
             ("workgroups of 256", |offer| offer.limits.max_compute_work_group_invocations = 128),
             ("a compute queue", |offer| offer.computes = false),

@@ -153,6 +153,12 @@ impl Memory {
         self.offset
     }
 
+    /// Whether it is the device's own memory.
+    pub(crate) fn is_device_local(&self) -> bool {
+        let properties = self.allocation.as_ref().map(Allocation::memory_properties);
+        properties.is_some_and(|properties| properties.contains(vk::MemoryPropertyFlags::DEVICE_LOCAL))
+    }
+
     /// The content, if the memory is mapped by the host.
     pub(crate) fn mapped(&mut self) -> Option<&mut [u8]> {
         self.allocation.as_mut().and_then(Allocation::mapped_slice_mut)

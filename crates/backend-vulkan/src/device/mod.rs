@@ -12,6 +12,7 @@ mod listen;
 mod logical;
 mod memory;
 mod module;
+mod parameters;
 mod pipelines;
 mod profile;
 mod queue;

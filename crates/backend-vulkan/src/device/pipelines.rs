@@ -12,6 +12,7 @@ use super::compiler::{Compiler, Job};
 use super::fault::during;
 use super::logical::Device;
 use super::module::Module;
+use crate::parameters::MAX_PUSHED;
 use crate::specialization::Constants;
 
 /// A kernel, which may still be compiling.
@@ -30,7 +31,7 @@ pub(crate) type Specialized = (&'static str, Vec<(u32, u32)>);
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     device: Arc<Device>,
-    /// No descriptor sets, 128 bytes of push constants: the same for every kernel.
+    /// No descriptor sets, [`MAX_PUSHED`] bytes of push constants: the same for every kernel.
     pub(crate) layout: vk::PipelineLayout,
     cache: vk::PipelineCache,
     compiler: Compiler,
@@ -47,7 +48,8 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     /// Starts without pipelines; `disk` provides cached compilation results.
     pub(crate) fn new(device: &Arc<Device>, disk: Option<DiskCache>) -> Result<Self> {
-        let range = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(128)];
+        let range =
+            [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(MAX_PUSHED as u32)];
         let info = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&range);
         // SAFETY: the device is alive.
         let layout = unsafe { device.raw.create_pipeline_layout(&info, None) }.map_err(during("a pipeline layout"))?;

@@ -8,9 +8,17 @@ use photon_core::Result;
 
 use super::fault::during;
 use super::logical::Device;
+use super::parameters::ParameterBlocks;
 
 /// Maximum number of submissions in flight.
 const FLYING: usize = 4;
+
+/// A command buffer and the parameters of its dispatches. Both are reused when the device has executed it.
+#[derive(Debug)]
+pub(crate) struct Recording {
+    pub(crate) commands: vk::CommandBuffer,
+    pub(crate) parameters: ParameterBlocks,
+}
 
 /// Command buffers, and the timeline semaphore that counts completed ones.
 #[derive(Debug)]
@@ -20,8 +28,8 @@ pub(crate) struct Queue {
     done: vk::Semaphore,
     /// Semaphore value that the last submission will signal.
     submitted: u64,
-    idle: Vec<vk::CommandBuffer>,
-    flying: VecDeque<(u64, vk::CommandBuffer)>,
+    idle: Vec<Recording>,
+    flying: VecDeque<(u64, Recording)>,
 }
 
 impl Queue {
@@ -40,36 +48,39 @@ impl Queue {
         Ok(Self { device: device.clone(), pool, done, submitted: 0, idle: Vec::new(), flying: VecDeque::new() })
     }
 
-    /// Returns a command buffer in the recording state.
-    pub(crate) fn open(&mut self) -> Result<vk::CommandBuffer> {
+    /// Returns a command buffer in the recording state, without parameters.
+    pub(crate) fn open(&mut self) -> Result<Recording> {
         while self.flying.len() >= FLYING {
             let value = self.flying[0].0;
             self.wait_for(value)?;
         }
-        let commands = match self.idle.pop() {
-            Some(commands) => commands,
+        let recording = match self.idle.pop() {
+            Some(mut recording) => {
+                recording.parameters.clear();
+                recording
+            }
             None => {
                 let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
                 // SAFETY: the pool is alive.
                 let new = unsafe { self.device.raw.allocate_command_buffers(&info) };
                 let new = new.map_err(during("a command buffer"))?[0];
                 self.device.name(new, "commands");
-                new
+                Recording { commands: new, parameters: ParameterBlocks::default() }
             }
         };
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: it is not in flight; beginning resets it.
-        unsafe { self.device.raw.begin_command_buffer(commands, &info) }.map_err(during("recording"))?;
-        Ok(commands)
+        unsafe { self.device.raw.begin_command_buffer(recording.commands, &info) }.map_err(during("recording"))?;
+        Ok(recording)
     }
 
     /// Ends and submits a command buffer.
-    pub(crate) fn submit(&mut self, commands: vk::CommandBuffer) -> Result<()> {
+    pub(crate) fn submit(&mut self, recording: Recording) -> Result<()> {
         // SAFETY: it is open.
-        unsafe { self.device.raw.end_command_buffer(commands) }.map_err(during("recording"))?;
+        unsafe { self.device.raw.end_command_buffer(recording.commands) }.map_err(during("recording"))?;
         self.device.injection.submit()?;
         let value = self.submitted + 1;
-        let (buffers, semaphores, values) = ([commands], [self.done], [value]);
+        let (buffers, semaphores, values) = ([recording.commands], [self.done], [value]);
         let mut timeline = vk::TimelineSemaphoreSubmitInfo::default().signal_semaphore_values(&values);
         let info = [vk::SubmitInfo::default()
             .command_buffers(&buffers)
@@ -79,7 +90,7 @@ impl Queue {
         unsafe { self.device.raw.queue_submit(self.device.queue, &info, vk::Fence::null()) }
             .map_err(during("submitting"))?;
         self.submitted = value;
-        self.flying.push_back((value, commands));
+        self.flying.push_back((value, recording));
         Ok(())
     }
 
@@ -95,7 +106,7 @@ impl Queue {
         // SAFETY: the semaphore is alive.
         unsafe { self.device.raw.wait_semaphores(&info, u64::MAX) }.map_err(during("waiting for the device"))?;
         while self.flying.front().is_some_and(|(flying, _)| *flying <= value) {
-            self.idle.extend(self.flying.pop_front().map(|(_, commands)| commands));
+            self.idle.extend(self.flying.pop_front().map(|(_, recording)| recording));
         }
         Ok(())
     }

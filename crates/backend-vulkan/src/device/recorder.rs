@@ -12,7 +12,8 @@ use photon_core::Result;
 
 use super::logical::Device;
 use super::memory::Memory;
-use super::queue::Queue;
+use super::queue::{Queue, Recording};
+use crate::parameters::MAX_PUSHED;
 
 /// Commands after which a submission is made, so that the device starts while the host goes on recording.
 const PILE: u32 = 256;
@@ -26,16 +27,26 @@ const INLINE: usize = 32 << 10;
 pub(crate) struct Recorder {
     device: Arc<Device>,
     queue: Queue,
-    open: Option<vk::CommandBuffer>,
+    open: Option<Recording>,
     recorded: u32,
     ordered: bool,
     read_back: Option<Memory>,
+    /// Whether the host writes parameters directly where it can.
+    maps_parameters: bool,
 }
 
 impl Recorder {
     pub(crate) fn new(device: &Arc<Device>) -> Result<Self> {
         let queue = Queue::new(device)?;
-        Ok(Self { device: device.clone(), queue, open: None, recorded: 0, ordered: true, read_back: None })
+        Ok(Self {
+            device: device.clone(),
+            queue,
+            open: None,
+            recorded: 0,
+            ordered: true,
+            read_back: None,
+            maps_parameters: true,
+        })
     }
 
     /// The open command buffer, with a barrier against all earlier commands.
@@ -43,11 +54,10 @@ impl Recorder {
         if self.recorded >= PILE && self.ordered {
             self.submit()?;
         }
-        let commands = match self.open {
-            Some(commands) => commands,
+        let commands = match &self.open {
+            Some(recording) => recording.commands,
             None => {
-                let commands = self.queue.open()?;
-                self.open = Some(commands);
+                let commands = self.open.insert(self.queue.open()?).commands;
                 self.barrier(commands);
                 self.recorded += 1;
                 return Ok(commands);
@@ -79,8 +89,7 @@ impl Recorder {
     pub(crate) fn set_ordered(&mut self, ordered: bool) -> Result<()> {
         if self.ordered && !ordered {
             // The first command of the group waits for all earlier ones.
-            let commands = self.commands()?;
-            debug_assert_eq!(self.open, Some(commands));
+            self.commands()?;
         }
         self.ordered = ordered;
         Ok(())
@@ -90,13 +99,19 @@ impl Recorder {
         &mut self,
         layout: vk::PipelineLayout,
         pipeline: vk::Pipeline,
-        push: &[u8],
+        parameters: &[u8],
         groups: Groups<'_>,
     ) -> Result<()> {
         let commands = self.commands()?;
+        let address;
+        let push: &[u8] = if parameters.len() <= MAX_PUSHED {
+            parameters
+        } else {
+            address = self.place(parameters)?.to_ne_bytes();
+            &address
+        };
         let device = &self.device.raw;
-        // SAFETY: the pipeline and the layout are alive; push constants fit the range of 128 bytes,
-        // which `Vulkan::dispatch` checks.
+        // SAFETY: the pipeline and the layout are alive, and the push constants fit its range.
         unsafe {
             device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline);
             device.cmd_push_constants(commands, layout, vk::ShaderStageFlags::COMPUTE, 0, push);
@@ -111,6 +126,29 @@ impl Recorder {
             }
         }
         Ok(())
+    }
+
+    /// Writes parameters to memory that lives as long as the open command buffer; returns their address.
+    fn place(&mut self, parameters: &[u8]) -> Result<u64> {
+        let Some(Recording { commands, parameters: blocks }) = &mut self.open else {
+            return Err(super::Fault::Other("parameters without a command buffer".to_owned()).into());
+        };
+        let commands = *commands;
+        let place = blocks.place(&self.device, parameters, self.maps_parameters)?;
+        let address = place.address;
+        if let Some((to, offset)) = place.unwritten {
+            // No earlier command uses that memory, but the dispatch has to wait for this one.
+            // SAFETY: within the buffer, a multiple of 4, at most 64 KiB.
+            unsafe { self.device.raw.cmd_update_buffer(commands, to.buffer(), to.offset() + offset, parameters) };
+            self.barrier(commands);
+        }
+        Ok(address)
+    }
+
+    /// Writes parameters by commands, as on a device whose memory the host cannot write to.
+    #[cfg(test)]
+    pub(crate) fn write_parameters_by_commands(&mut self) {
+        self.maps_parameters = false;
     }
 
     pub(crate) fn fill(&mut self, to: &Memory, offset: u64, bytes: u64, word: u32) -> Result<()> {
@@ -180,8 +218,7 @@ impl Recorder {
         let copied = parts.try_for_each(|(i, &from)| self.copy(from, (&through, i as u64 * bytes), bytes));
         self.set_ordered(true)?;
         copied?;
-        let commands = self.commands()?;
-        debug_assert_eq!(self.open, Some(commands));
+        self.commands()?;
         self.wait()?;
         match through.mapped() {
             Some(mapped) => take(&mapped[..all as usize]),
@@ -195,7 +232,7 @@ impl Recorder {
     pub(crate) fn submit(&mut self) -> Result<()> {
         self.recorded = 0;
         match self.open.take() {
-            Some(commands) => self.queue.submit(commands),
+            Some(recording) => self.queue.submit(recording),
             None => Ok(()),
         }
     }

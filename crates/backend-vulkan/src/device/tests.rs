@@ -3,23 +3,20 @@
 use std::sync::Arc;
 
 use ash::vk;
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Error, Photon, Stage};
 
 use super::instance::Instance;
 use crate::sort::KeyConstants;
 use crate::{Vulkan, shaders};
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct CopyPush {
-    from: u64,
-    to: u64,
-    count: u32,
-    plus: u32,
+parameters! {
+    struct CopyPush => DEVICE_COPY {
+        from: u64,
+        to: u64,
+        count: u32,
+        plus: u32,
+    }
 }
-
-pushed!(copy_push_layout: CopyPush => DEVICE_COPY, from to count plus);
 
 /// Long chains of commands, each of which depends on the previous one.
 #[test]

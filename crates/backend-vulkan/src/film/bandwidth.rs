@@ -1,6 +1,5 @@
 //! Radii of pixels, updated on the device from the sums that are there. Twin of photon-core's `PixelRadii`, in f32.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Layer, MapKind, PerMap, RadiusUpdate, Result};
 
 use super::{GROUP, VulkanFilm, zeroed};
@@ -12,26 +11,23 @@ use crate::vulkan::Vulkan;
 /// Planes of `Push::radii`.
 const PLANES: u64 = 7;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    /// Sums of all layers, and of the layer of each map.
-    sums: [u64; 4],
-    lights: [u64; MapKind::COUNT],
-    photon_moments: [u64; MapKind::COUNT],
-    errors: u64,
-    radii: u64,
-    factors: u64,
-    pixels: u32,
-    width: u32,
-    passes: f32,
-    since: f32,
-    bias: f32,
-    noise: f32,
+parameters! {
+    struct Push => FILM_BANDWIDTH_BIAS FILM_BANDWIDTH_CHANGE FILM_BANDWIDTH_FACTOR {
+        /// Sums of all layers, and of the layer of each map.
+        sums: [u64; 4],
+        lights: [u64; MapKind::COUNT],
+        photon_moments: [u64; MapKind::COUNT],
+        errors: u64,
+        radii: u64,
+        factors: u64,
+        pixels: u32,
+        width: u32,
+        passes: f32,
+        since: f32,
+        bias: f32,
+        noise: f32,
+    }
 }
-
-pushed!(push_layout: Push => FILM_BANDWIDTH_BIAS FILM_BANDWIDTH_CHANGE FILM_BANDWIDTH_FACTOR,
-    sums lights photon_moments errors radii factors pixels width passes since bias noise);
 
 specialized!(bandwidth_constants: BandwidthConstants => FILM_BANDWIDTH_CHANGE, 2 layers: u32, 3 maps: u32);
 

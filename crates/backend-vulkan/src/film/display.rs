@@ -1,6 +1,5 @@
 //! The picture as it is shown, made on the device: four bytes per pixel are copied instead of the sums.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Display, DisplayImage, Error, Result};
 
 use super::{GROUP, VulkanFilm, label};
@@ -8,21 +7,19 @@ use crate::constants::FIRST_HITS;
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct DisplayPush {
-    sums: [u64; 4],
-    /// Plane of hits.
-    hits: u64,
-    shown: u64,
-    pixels: u32,
-    /// From a sum to a radiance, with the exposure unless that comes after clamping.
-    factor: f32,
-    exposure: f32,
-    inverse_passes: f32,
+parameters! {
+    struct DisplayPush => FILM_DISPLAY {
+        sums: [u64; 4],
+        /// Plane of hits.
+        hits: u64,
+        shown: u64,
+        pixels: u32,
+        /// From a sum to a radiance, with the exposure unless that comes after clamping.
+        factor: f32,
+        exposure: f32,
+        inverse_passes: f32,
+    }
 }
-
-pushed!(display_push_layout: DisplayPush => FILM_DISPLAY, sums hits shown pixels factor exposure inverse_passes);
 
 specialized!(display_constants: DisplayConstants => FILM_DISPLAY,
     2 layers: u32, 3 curve: u32, 4 is_transparent: bool, 5 is_clamped: bool);

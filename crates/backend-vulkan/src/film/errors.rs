@@ -1,8 +1,8 @@
 //! Error statistics on the device: twin of photon-core's `ErrorPixel`. The current pass is stored in f32, sums
 //! over passes as sums of two floats; statistics of a map are allocated when the map is first read.
 
+use bytemuck::Zeroable;
 use bytemuck::allocation::try_zeroed_vec;
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, ErrorMoments, ErrorPixel, Estimate, Film, MapKind, PerMap, PhotonMoments, Query, Result};
 
 use super::{GROUP, VulkanFilm, read_back, zeroed};
@@ -32,37 +32,30 @@ pub(super) struct Errors {
     photon_moments: PerMap<Option<(Memory, Memory)>>,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct AccumulatePush {
-    queries: u64,
-    query_count: u64,
-    estimates: u64,
-    error_moments: u64,
-    found_count: u64,
-    pass: u64,
-    map_moments: u64,
-    pixels: u32,
-    scale: f32,
+parameters! {
+    struct AccumulatePush => FILM_ERRORS {
+        queries: u64,
+        query_count: u64,
+        estimates: u64,
+        error_moments: u64,
+        found_count: u64,
+        pass: u64,
+        map_moments: u64,
+        pixels: u32,
+        scale: f32,
+    }
 }
 
-pushed!(
-    fold_push_layout: AccumulatePush => FILM_ERRORS,
-    queries query_count estimates error_moments found_count pass map_moments pixels scale
-);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct EndPush {
-    pass: u64,
-    sum: u64,
-    pass_shapes: [u64; MapKind::COUNT],
-    sum_shapes: [u64; MapKind::COUNT],
-    pixels: u32,
-    padding: u32,
+parameters! {
+    struct EndPush => FILM_END_ERRORS {
+        pass: u64,
+        sum: u64,
+        pass_shapes: [u64; MapKind::COUNT],
+        sum_shapes: [u64; MapKind::COUNT],
+        pixels: u32,
+        padding: u32,
+    }
 }
-
-pushed!(end_push_layout: EndPush => FILM_END_ERRORS, pass sum pass_shapes sum_shapes pixels padding);
 
 specialized!(accumulate_constants: AccumulateConstants => FILM_ERRORS, 2 from: u32);
 

@@ -1,6 +1,5 @@
 //! The bounding box of all photons, and whether they are finite.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, PhotonFormat, Result};
 
 use crate::device::buffer::VulkanBuffer;
@@ -19,17 +18,15 @@ pub(crate) struct BoundsOf {
     pub(crate) state: Memory,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct BoundsPush {
-    photons: u64,
-    state: u64,
-    photon_count: u64,
-    count: u32,
-    stride: u32,
+parameters! {
+    struct BoundsPush => INDEX_BOUNDS {
+        photons: u64,
+        state: u64,
+        photon_count: u64,
+        count: u32,
+        stride: u32,
+    }
 }
-
-pushed!(bounds_push_layout: BoundsPush => INDEX_BOUNDS, photons state photon_count count stride);
 
 /// The kernel.
 pub(super) fn kernel(on: &mut Vulkan, format: PhotonFormat) -> ComputePipeline {

@@ -1,6 +1,5 @@
 //! Photon indices sorted by x, by y and by z: the input of kd-tree construction.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, PhotonFormat, Result};
 
 use super::map_storage::grow;
@@ -28,16 +27,14 @@ pub(crate) struct Lists {
     pub(super) at: usize,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct KeysPush {
-    photons: u64,
-    keys: u64,
-    count: u32,
-    axis: u32,
+parameters! {
+    struct KeysPush => INDEX_KEYS {
+        photons: u64,
+        keys: u64,
+        count: u32,
+        axis: u32,
+    }
 }
-
-pushed!(keys_push_layout: KeysPush => INDEX_KEYS, photons keys count axis);
 
 /// The kernel that computes keys.
 pub(super) fn kernel(on: &mut Vulkan, format: PhotonFormat) -> ComputePipeline {

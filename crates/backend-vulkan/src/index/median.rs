@@ -2,7 +2,6 @@
 //! from lists of the photons sorted along every axis; segments of 1024 photons are split completely by one
 //! workgroup each.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, PhotonFormat, Result};
 
 use super::WIDTH;
@@ -26,56 +25,48 @@ pub(crate) struct Median {
     counts: Memory,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct SidesPush {
-    photons: u64,
-    lists: u64,
-    right: u64,
-    count: u32,
-    size: u32,
+parameters! {
+    struct SidesPush => INDEX_MEDIAN_SIDES {
+        photons: u64,
+        lists: u64,
+        right: u64,
+        count: u32,
+        size: u32,
+    }
 }
 
-pushed!(sides_push_layout: SidesPush => INDEX_MEDIAN_SIDES, photons lists right count size);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct CountPush {
-    lists: u64,
-    right: u64,
-    counts: u64,
-    count: u32,
-    tiles: u32,
+parameters! {
+    struct CountPush => INDEX_MEDIAN_COUNT {
+        lists: u64,
+        right: u64,
+        counts: u64,
+        count: u32,
+        tiles: u32,
+    }
 }
 
-pushed!(count_push_layout: CountPush => INDEX_MEDIAN_COUNT, lists right counts count tiles);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct PartPush {
-    lists: u64,
-    parted: u64,
-    counts: u64,
-    count: u32,
-    tiles: u32,
-    size: u32,
-    pad: u32,
+parameters! {
+    struct PartPush => INDEX_MEDIAN_PART {
+        lists: u64,
+        parted: u64,
+        counts: u64,
+        count: u32,
+        tiles: u32,
+        size: u32,
+        pad: u32,
+    }
 }
 
-pushed!(part_push_layout: PartPush => INDEX_MEDIAN_PART, lists parted counts count tiles size pad);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct FinishPush {
-    photons: u64,
-    lists: u64,
-    places: u64,
-    order: u64,
-    count: u32,
-    pad: u32,
+parameters! {
+    struct FinishPush => INDEX_MEDIAN_FINISH {
+        photons: u64,
+        lists: u64,
+        places: u64,
+        order: u64,
+        count: u32,
+        pad: u32,
+    }
 }
-
-pushed!(finish_push_layout: FinishPush => INDEX_MEDIAN_FINISH, photons lists places order count pad);
 
 /// Kernels: that which divides segments, and that which arranges short ones.
 pub(super) fn kernels(on: &mut Vulkan, format: PhotonFormat) -> [ComputePipeline; 2] {

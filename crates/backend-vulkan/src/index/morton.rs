@@ -3,7 +3,6 @@
 //! are sorted by finer grids, round by round: where there are none, as is nearly always the case, the rounds
 //! are empty dispatches.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, PhotonFormat, Result};
 
 use super::WIDTH;
@@ -37,64 +36,53 @@ pub(crate) struct Morton {
     pub(super) runs: [Memory; 2],
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct CodesPush {
-    photons: u64,
-    state: u64,
-    keys: u64,
-    low: u64,
-    high: u64,
-    count: u32,
-    pad: u32,
+parameters! {
+    struct CodesPush => INDEX_CODES {
+        photons: u64,
+        state: u64,
+        keys: u64,
+        low: u64,
+        high: u64,
+        count: u32,
+        pad: u32,
+    }
 }
 
-pushed!(codes_push_layout: CodesPush => INDEX_CODES, photons state keys low high count pad);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct GatherPush {
-    pub(super) words: u64,
-    pub(super) order: u64,
-    pub(super) gathered: u64,
-    pub(super) count: u32,
-    pub(super) pad: u32,
+parameters! {
+    pub(super) struct GatherPush => INDEX_PERMUTE {
+        pub(super) words: u64,
+        pub(super) order: u64,
+        pub(super) gathered: u64,
+        pub(super) count: u32,
+        pub(super) pad: u32,
+    }
 }
 
-pushed!(gather_push_layout: GatherPush => INDEX_PERMUTE, words order gathered count pad);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct LongRunsPush {
-    order: u64,
-    sorted_high: u64,
-    low: u64,
-    round: u64,
-    runs: u64,
-    count: u32,
-    pad: u32,
+parameters! {
+    struct LongRunsPush => INDEX_LONG_RUNS {
+        order: u64,
+        sorted_high: u64,
+        low: u64,
+        round: u64,
+        runs: u64,
+        count: u32,
+        pad: u32,
+    }
 }
 
-pushed!(long_runs_push_layout: LongRunsPush => INDEX_LONG_RUNS, order sorted_high low round runs count pad);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct RefinePush {
-    photons: u64,
-    ids: u64,
-    other_ids: u64,
-    codes: u64,
-    other_codes: u64,
-    round: u64,
-    runs: u64,
-    next_round: u64,
-    next_runs: u64,
+parameters! {
+    struct RefinePush => INDEX_REFINE {
+        photons: u64,
+        ids: u64,
+        other_ids: u64,
+        codes: u64,
+        other_codes: u64,
+        round: u64,
+        runs: u64,
+        next_round: u64,
+        next_runs: u64,
+    }
 }
-
-pushed!(
-    refine_push_layout: RefinePush => INDEX_REFINE,
-    photons ids other_ids codes other_codes round runs next_round next_runs
-);
 
 fn workgroup(on: &Vulkan) -> u32 {
     WORKGROUP.min(on.limits().max_workgroup)

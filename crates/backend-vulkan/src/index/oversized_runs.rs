@@ -5,7 +5,6 @@
 //! long: a million photons in a cell of 2⁻²¹ of the scene would keep one workgroup busy for tens of
 //! milliseconds, and a software device would silently end its loops.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, Result};
 
 use super::morton::{GatherPush, Morton, ROUNDS};
@@ -20,17 +19,15 @@ pub(super) const OVERSIZED: u32 = 1 << 16;
 /// From this number of photons on, the cost of a wait is negligible.
 const WORTH_WAITING: u64 = 1 << 20;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct PickPush {
-    photons: u64,
-    ids: u64,
-    picked: u64,
-    count: u32,
-    capacity: u32,
+parameters! {
+    struct PickPush => INDEX_PICK {
+        photons: u64,
+        ids: u64,
+        picked: u64,
+        count: u32,
+        capacity: u32,
+    }
 }
-
-pushed!(pick_push_layout: PickPush => INDEX_PICK, photons ids picked count capacity);
 
 /// Whether it is worthwhile to check this number of photons for oversized runs.
 pub(super) fn worth_a_look(on: &Vulkan, length: u64, depth: u64) -> bool {

@@ -1,7 +1,6 @@
 //! Slots and regular trees: sixteen consecutive slots per leaf, sixteen consecutive nodes per parent, level by
 //! level, each level contiguous, the root first.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, PhotonFormat, Result};
 
 use super::WIDTH;
@@ -19,37 +18,30 @@ pub(crate) struct Regular {
     parents: ComputePipeline,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct ArrangePush {
-    photons: u64,
-    order: u64,
-    positions: u64,
-    power: u64,
-    ids: u64,
-    nodes: u64,
-    totals: u64,
-    count: u32,
-    capacity: u32,
+parameters! {
+    struct ArrangePush => INDEX_ARRANGE {
+        photons: u64,
+        order: u64,
+        positions: u64,
+        power: u64,
+        ids: u64,
+        nodes: u64,
+        totals: u64,
+        count: u32,
+        capacity: u32,
+    }
 }
 
-pushed!(
-    arrange_push_layout: ArrangePush => INDEX_ARRANGE,
-    photons order positions power ids nodes totals count capacity
-);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct ParentsPush {
-    nodes: u64,
-    totals: u64,
-    first: u32,
-    count: u32,
-    first_below: u32,
-    count_below: u32,
+parameters! {
+    struct ParentsPush => INDEX_PARENTS {
+        nodes: u64,
+        totals: u64,
+        first: u32,
+        count: u32,
+        first_below: u32,
+        count_below: u32,
+    }
 }
-
-pushed!(parents_push_layout: ParentsPush => INDEX_PARENTS, nodes totals first count first_below count_below);
 
 /// Photons, their order, and the storage to fill.
 #[derive(Clone, Copy, Debug)]

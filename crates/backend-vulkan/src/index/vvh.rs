@@ -3,7 +3,6 @@
 //! number of segments per level is known only on the device: the maximum number of levels is recorded, most of
 //! them empty dispatches.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Photon, PhotonFormat, Result, kd_tree};
 
 use super::WIDTH;
@@ -44,92 +43,76 @@ pub(crate) struct Vvh {
     pub(super) splits: Memory,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct PlanPush {
-    photons: u64,
-    lists: u64,
-    level: u64,
-    segments: u64,
-    next_level: u64,
-    next_segments: u64,
-    jobs: u64,
-    tiles: u64,
-    short_level: u64,
-    shorts: u64,
-    splits: u64,
-    count: u32,
-    parity: u32,
+parameters! {
+    struct PlanPush => INDEX_VVH_PLAN {
+        photons: u64,
+        lists: u64,
+        level: u64,
+        segments: u64,
+        next_level: u64,
+        next_segments: u64,
+        jobs: u64,
+        tiles: u64,
+        short_level: u64,
+        shorts: u64,
+        splits: u64,
+        count: u32,
+        parity: u32,
+    }
 }
 
-pushed!(
-    plan_push_layout: PlanPush => INDEX_VVH_PLAN,
-    photons lists level segments next_level next_segments jobs tiles short_level shorts splits count parity
-);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct SidesPush {
-    lists: u64,
-    segments: u64,
-    jobs: u64,
-    tiles: u64,
-    right: u64,
-    count: u32,
-    pad: u32,
+parameters! {
+    struct SidesPush => INDEX_VVH_SIDES {
+        lists: u64,
+        segments: u64,
+        jobs: u64,
+        tiles: u64,
+        right: u64,
+        count: u32,
+        pad: u32,
+    }
 }
 
-pushed!(sides_push_layout: SidesPush => INDEX_VVH_SIDES, lists segments jobs tiles right count pad);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct CountPush {
-    lists: u64,
-    segments: u64,
-    jobs: u64,
-    tiles: u64,
-    right: u64,
-    counts: u64,
-    count: u32,
-    room: u32,
+parameters! {
+    struct CountPush => INDEX_VVH_COUNT {
+        lists: u64,
+        segments: u64,
+        jobs: u64,
+        tiles: u64,
+        right: u64,
+        counts: u64,
+        count: u32,
+        room: u32,
+    }
 }
 
-pushed!(count_push_layout: CountPush => INDEX_VVH_COUNT, lists segments jobs tiles right counts count room);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct PartPush {
-    lists: u64,
-    parted: u64,
-    segments: u64,
-    jobs: u64,
-    tiles: u64,
-    counts: u64,
-    count: u32,
-    room: u32,
+parameters! {
+    struct PartPush => INDEX_VVH_PART {
+        lists: u64,
+        parted: u64,
+        segments: u64,
+        jobs: u64,
+        tiles: u64,
+        counts: u64,
+        count: u32,
+        room: u32,
+    }
 }
 
-pushed!(part_push_layout: PartPush => INDEX_VVH_PART, lists parted segments jobs tiles counts count room);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct FinishPush {
-    photons: u64,
-    lists: u64,
-    other_lists: u64,
-    level: u64,
-    shorts: u64,
-    places: u64,
-    splits: u64,
-    order: u64,
-    count: u32,
-    pad: u32,
+parameters! {
+    struct FinishPush => INDEX_VVH_FINISH {
+        photons: u64,
+        lists: u64,
+        other_lists: u64,
+        level: u64,
+        shorts: u64,
+        places: u64,
+        splits: u64,
+        order: u64,
+        count: u32,
+        pad: u32,
+    }
 }
-
-pushed!(
-    finish_push_layout: FinishPush => INDEX_VVH_FINISH,
-    photons lists other_lists level shorts places splits order count pad
-);
 
 /// Maximum number of levels that have segments longer than `SHORT`.
 fn levels(length: u64) -> u64 {

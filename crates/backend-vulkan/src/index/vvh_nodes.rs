@@ -1,6 +1,5 @@
 //! The nodes of the VVH tree, built from its splits: top-down level by level, then boxes bottom-up.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Result, kd_tree};
 
 use super::WIDTH;
@@ -27,33 +26,26 @@ pub(crate) struct VvhNodes {
     totals: Memory,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct CollapsePush {
-    depth: u64,
-    next_depth: u64,
-    pending: u64,
-    splits: u64,
-    leaves: u64,
-    nodes: u64,
-    totals: u64,
+parameters! {
+    struct CollapsePush => INDEX_VVH_COLLAPSE {
+        depth: u64,
+        next_depth: u64,
+        pending: u64,
+        splits: u64,
+        leaves: u64,
+        nodes: u64,
+        totals: u64,
+    }
 }
 
-pushed!(
-    collapse_push_layout: CollapsePush => INDEX_VVH_COLLAPSE,
-    depth next_depth pending splits leaves nodes totals
-);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct BoxesPush {
-    depth: u64,
-    pending: u64,
-    nodes: u64,
-    totals: u64,
+parameters! {
+    struct BoxesPush => INDEX_VVH_BOXES {
+        depth: u64,
+        pending: u64,
+        nodes: u64,
+        totals: u64,
+    }
 }
-
-pushed!(boxes_push_layout: BoxesPush => INDEX_VVH_BOXES, depth pending nodes totals);
 
 impl VvhNodes {
     pub(crate) fn new(on: &mut Vulkan) -> Result<Self> {

@@ -2,11 +2,12 @@
 
 use std::mem::offset_of;
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use photon_core::light_tree::LightNode;
 use photon_core::{
     Anisotropy, Camera, ClearcoatNormal, DiffuseTransmission, Element, ErrorMoments, Estimate, Light, Material,
-    MaterialTextures, Medium, PartialTransmission, Photon, PhotonRay, Primitive, Query, SheenLayer, TextureUse,
+    MaterialTextures, Medium, PartialTransmission, Photon, PhotonRay, Portal, Primitive, ProjectionTarget, Query,
+    SheenLayer, TextureUse,
 };
 
 use super::spirv::{Member, Shape, structs};
@@ -15,8 +16,8 @@ use crate::{Vulkan, shaders};
 /// The layout of a record in Rust: name, size, members.
 type Record = (&'static str, usize, Vec<Member>);
 
-/// The shape of a member's type, inferred from an accessor.
-trait Shaped {
+/// The shape of a member's type.
+pub(crate) trait Shaped {
     const SHAPE: Shape;
 }
 impl Shaped for u32 {
@@ -24,6 +25,9 @@ impl Shaped for u32 {
 }
 impl Shaped for f32 {
     const SHAPE: Shape = (true, 4);
+}
+impl Shaped for u64 {
+    const SHAPE: Shape = (false, 8);
 }
 impl<T: Shaped, const N: usize> Shaped for [T; N] {
     const SHAPE: Shape = (T::SHAPE.0, T::SHAPE.1 * N as u32);
@@ -33,13 +37,63 @@ fn shape<R, T: Shaped>(_: fn(&R) -> &T) -> Shape {
     T::SHAPE
 }
 
-macro_rules! record {
+/// A struct that lists its members: declared by `host_struct!` or `parameters!`.
+pub(crate) trait Listed: Pod {
+    fn members() -> Vec<Member>;
+}
+
+/// The member of a struct.
+pub(crate) fn member<T: Shaped>(name: &str, offset: usize) -> Member {
+    Member { name: name.to_owned(), offset: offset as u32, shape: T::SHAPE }
+}
+
+/// Compares the members of a struct of the host with those in a module. The host's may end in padding, which makes its size a
+/// multiple of its alignment.
+pub(super) fn compare(listed: &[Member], found: &[Member]) -> Result<(), String> {
+    let fills = |member: &Member| member.name.starts_with("pad") || member.name == "reserved";
+    match listed.split_at_checked(found.len()) {
+        Some((read, unread)) if read == found && unread.iter().all(fills) => Ok(()),
+        _ => Err(format!("laid out differently in SPIR-V:\n{found:?}\nthan in Rust:\n{listed:?}")),
+    }
+}
+
+/// The members of a struct, which has no other bytes.
+pub(super) fn members_of<T: Listed>() -> Vec<Member> {
+    let members = T::members();
+    let sum: u32 = members.iter().map(|member| member.shape.1).sum();
+    assert_eq!(sum as usize, size_of::<T>(), "bytes between members");
+    members
+}
+
+/// Checks a struct of the host wherever kernels know it.
+pub(crate) fn check_struct<T: Listed>(name: &str) {
+    check_members(name, &members_of::<T>());
+}
+
+fn check_members(name: &str, members: &[Member]) {
+    let mut seen = 0;
+    for module in shaders::KERNELS.iter().chain(&shaders::TEST_KERNELS) {
+        for (_, found) in structs(&module.words()).unwrap().iter().filter(|(found, _)| found == name) {
+            compare(members, found).unwrap_or_else(|message| panic!("{}: {name} is {message}", module.name));
+            seen += 1;
+        }
+    }
+    assert!(seen > 0, "no kernel knows {name}");
+}
+
+macro_rules! members {
     ($record:ident: $($member:ident)+) => {
-        ($record::GLSL_NAME, size_of::<$record>(), vec![$(Member {
+        vec![$(Member {
             name: stringify!($member).to_owned(),
             offset: offset_of!($record, $member) as u32,
             shape: shape(|record: &$record| &record.$member),
-        }),+])
+        }),+]
+    };
+}
+
+macro_rules! record {
+    ($record:ident: $($member:ident)+) => {
+        ($record::GLSL_NAME, size_of::<$record>(), members!($record: $($member)+))
     };
 }
 
@@ -96,6 +150,14 @@ fn records_lie_in_spirv_as_in_rust() {
     assert_eq!(check(&shaders::PROBE_LAYOUT.words(), &records).unwrap(), records.len());
 }
 
+/// Tables that are no records of a buffer.
+#[test]
+fn tables_lie_in_spirv_as_in_rust() {
+    check_members("Portal", &members!(Portal: corner edges area));
+    let target = members!(ProjectionTarget: carried light first count point_bits direction_bits);
+    check_members("ProjectionTarget", &target);
+}
+
 /// A changed offset, name or type in the module is detected.
 #[test]
 fn a_doctored_module_fails() {
@@ -124,18 +186,41 @@ fn a_doctored_module_fails() {
     assert!(check(&doctored, &records).unwrap_err().contains("9 words"));
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    from: u64,
-    to: u64,
-    count: u32,
-    padding: u32,
+parameters! {
+    struct Push => PROBE_LAYOUT {
+        from: u64,
+        to: u64,
+        count: u32,
+        padding: u32,
+    }
 }
 
-pushed!(push_layout: Push => PROBE_LAYOUT, from to count padding);
-
 specialized!(layout_constants: LayoutConstants => PROBE_LAYOUT, 2 record: u32);
+
+/// A struct of the host with another member, offset or type, or more or fewer of them, is detected; padding at its end is not.
+#[test]
+fn a_struct_of_other_members_fails() {
+    let words = shaders::STAGES_TRACE.words();
+    let (_, found) = structs(&words).unwrap().into_iter().find(|(name, _)| name == "Chunk").unwrap();
+    let good = found.clone();
+    compare(&good, &found).unwrap();
+    let changes: [fn(&mut Vec<Member>); 6] = [
+        |members| members[1].name = "endings_".to_owned(),
+        |members| members[1].offset += 8,
+        |members| members[3].shape.0 = true,
+        |members| members[2].shape.1 = 4,
+        |members| drop(members.pop()),
+        |members| members.push(member::<u32>("more", 44)),
+    ];
+    for change in changes {
+        let mut other = good.clone();
+        change(&mut other);
+        assert!(compare(&other, &found).unwrap_err().contains("differently"), "{other:?}");
+    }
+    let mut padded = good;
+    padded.push(member::<u32>("pad", 44));
+    compare(&padded, &found).unwrap();
+}
 
 /// The device copies arrays of each record: every byte is preserved, at the right stride.
 #[test]

@@ -13,18 +13,19 @@ mod environment_limits;
 mod flushed;
 mod gloss_caustics;
 mod glossy;
-mod layout;
+pub(crate) mod layout;
 mod light_sampler;
 mod light_tree;
 mod light_tree_condition;
 mod light_tree_limits;
 mod listed;
+mod maps;
 mod media;
 mod narrow;
 mod narrow_lobes;
+pub(crate) mod parameters;
 mod photon_format;
 mod projection;
-pub(crate) mod push;
 mod rough;
 mod rough_glass;
 mod rules;
@@ -35,7 +36,7 @@ mod shading_normal;
 mod shadow_terminator;
 mod solid_angle;
 pub(crate) mod specialization;
-mod spirv;
+pub(crate) mod spirv;
 mod table;
 mod texture;
 mod triangle;
@@ -58,22 +59,19 @@ struct Input([u32; 12]);
 /// The outputs of one call; unused words are 0.
 type Output = [u32; 8];
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    inputs: u64,
-    outputs: u64,
-    count: u32,
-    padding: u32,
+parameters! {
+    struct Push =>
+        PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSS_CAUSTICS PROBE_GLOSSY
+        PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL PROBE_OFFSET
+        PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_ROUGH_GLASS PROBE_SAMPLING PROBE_SHADE
+        PROBE_SHADING_NORMAL PROBE_SHADOW_TERMINATOR PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE
+    {
+        inputs: u64,
+        outputs: u64,
+        count: u32,
+        padding: u32,
+    }
 }
-
-pushed!(
-    push_layout: Push => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSS_CAUSTICS PROBE_GLOSSY PROBE_KERNEL
-        PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
-        PROBE_PROJECTION PROBE_RANDOM PROBE_ROUGH_GLASS PROBE_SAMPLING PROBE_SHADE
-        PROBE_SHADING_NORMAL PROBE_SHADOW_TERMINATOR PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE,
-    inputs outputs count padding
-);
 
 specialized!(
     probe_constants: ProbeConstants => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSS_CAUSTICS PROBE_GLOSSY PROBE_KERNEL

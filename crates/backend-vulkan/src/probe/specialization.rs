@@ -37,7 +37,7 @@ pub(crate) fn check(words: &[u32], set: &[(u32, &str, bool)], unset: &[&str]) ->
 /// photon have an unused `FORMAT` from an included file.
 #[test]
 fn every_kernel_with_constants_is_listed() {
-    let names = listed("specialized!");
+    let names = listed("specialized!(", ',');
     for module in shaders::KERNELS.iter().chain(&shaders::TEST_KERNELS) {
         let constants = specialization_constants(&module.words()).unwrap();
         let named: Vec<_> = constants.iter().filter(|(id, ..)| *id != WORKGROUP).map(|(_, name, _)| name).collect();

@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 
 /// Scalar type and size of a member: `true` for floats, and its size in bytes.
-pub(super) type Shape = (bool, u32);
+pub(crate) type Shape = (bool, u32);
+
+const ADDRESS: Shape = (false, 8);
 
 /// A member of a struct in memory.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Member {
+pub(crate) struct Member {
     pub(super) name: String,
     pub(super) offset: u32,
     pub(super) shape: Shape,
@@ -55,106 +57,105 @@ pub(super) fn instructions(words: &[u32]) -> Result<Vec<(u32, &[u32])>, String> 
     Ok(found)
 }
 
+/// The types of a module that matter for the layout of memory, by id.
+#[derive(Default)]
+struct Types {
+    names: BTreeMap<u32, String>,
+    member_names: BTreeMap<(u32, u32), String>,
+    offsets: BTreeMap<(u32, u32), u32>,
+    shapes: BTreeMap<u32, Shape>,
+    /// Structs and the types of their members.
+    structs: BTreeMap<u32, Vec<u32>>,
+    /// Pointers and what they point to.
+    pointers: BTreeMap<u32, u32>,
+    /// The block of push constants.
+    push: Option<u32>,
+}
+
+impl Types {
+    fn of(words: &[u32]) -> Result<Self, String> {
+        let mut types = Self::default();
+        let mut constants = BTreeMap::new();
+        for (operation, operands) in instructions(words)? {
+            // Names and decorations come before types, types before their uses.
+            match (operation, operands) {
+                (OP_NAME, [id, text @ ..]) => _ = types.names.insert(*id, string(text)),
+                (OP_MEMBER_NAME, [id, member, text @ ..]) => {
+                    _ = types.member_names.insert((*id, *member), string(text));
+                }
+                (OP_MEMBER_DECORATE, [id, member, DECORATION_OFFSET, offset]) => {
+                    _ = types.offsets.insert((*id, *member), *offset);
+                }
+                (OP_TYPE_INT, [id, bits, _]) => _ = types.shapes.insert(*id, (false, bits / 8)),
+                (OP_TYPE_FLOAT, [id, bits, ..]) => _ = types.shapes.insert(*id, (true, bits / 8)),
+                (OP_CONSTANT, [_, id, value]) => _ = constants.insert(*id, *value),
+                (OP_TYPE_VECTOR, [id, of, count]) => types.add_many(*id, *of, Some(count)),
+                (OP_TYPE_ARRAY, [id, of, count]) => types.add_many(*id, *of, constants.get(count)),
+                // An address, which may be declared before the type it points to.
+                (OP_TYPE_FORWARD_POINTER, [id, STORAGE_PHYSICAL]) => _ = types.shapes.insert(*id, ADDRESS),
+                (OP_TYPE_POINTER, [id, storage, to]) => {
+                    types.pointers.insert(*id, *to);
+                    if *storage == STORAGE_PHYSICAL {
+                        types.shapes.insert(*id, ADDRESS);
+                    }
+                }
+                (OP_TYPE_STRUCT, [id, members @ ..]) => _ = types.structs.insert(*id, members.to_vec()),
+                (OP_VARIABLE, [of, _, STORAGE_PUSH_CONSTANT, ..]) => types.push = types.pointers.get(of).copied(),
+                _ => {}
+            }
+        }
+        Ok(types)
+    }
+
+    fn add_many(&mut self, id: u32, of: u32, count: Option<&u32>) {
+        if let (Some(&(float, bytes)), Some(count)) = (self.shapes.get(&of), count) {
+            self.shapes.insert(id, (float, bytes * count));
+        }
+    }
+
+    /// The members of a struct; `None` if one is itself a struct, or has no offset.
+    fn members(&self, id: u32) -> Option<Vec<Member>> {
+        let types = self.structs.get(&id)?.iter().zip(0..);
+        let member = |(of, number)| {
+            let name = self.member_names.get(&(id, number))?.clone();
+            Some(Member { name, offset: *self.offsets.get(&(id, number))?, shape: *self.shapes.get(of)? })
+        };
+        types.map(member).collect()
+    }
+}
+
 /// The structs of a module with a memory layout, by name; one name may occur several times.
 ///
 /// # Errors
 /// If the words are not valid SPIR-V.
 pub(super) fn structs(words: &[u32]) -> Result<Vec<(String, Vec<Member>)>, String> {
-    let mut names = BTreeMap::new();
-    let mut member_names = BTreeMap::new();
-    let mut offsets = BTreeMap::new();
-    let mut shapes: BTreeMap<u32, Shape> = BTreeMap::new();
-    let mut constants = BTreeMap::new();
-    let mut found = Vec::new();
-    for (operation, operands) in instructions(words)? {
-        // Names and decorations come before types, types before their uses.
-        match (operation, operands) {
-            (OP_NAME, [id, text @ ..]) => _ = names.insert(*id, string(text)),
-            (OP_MEMBER_NAME, [id, member, text @ ..]) => _ = member_names.insert((*id, *member), string(text)),
-            (OP_MEMBER_DECORATE, [id, member, DECORATION_OFFSET, offset]) => {
-                _ = offsets.insert((*id, *member), *offset)
-            }
-            (OP_TYPE_INT, [id, bits, _]) => _ = shapes.insert(*id, (false, bits / 8)),
-            (OP_TYPE_FLOAT, [id, bits, ..]) => _ = shapes.insert(*id, (true, bits / 8)),
-            (OP_CONSTANT, [_, id, value]) => _ = constants.insert(*id, *value),
-            (OP_TYPE_VECTOR, [id, of, count]) => {
-                if let Some(&(float, bytes)) = shapes.get(of) {
-                    shapes.insert(*id, (float, bytes * count));
-                }
-            }
-            (OP_TYPE_ARRAY, [id, of, count]) => {
-                if let (Some(&(float, bytes)), Some(count)) = (shapes.get(of), constants.get(count)) {
-                    shapes.insert(*id, (float, bytes * count));
-                }
-            }
-            (OP_TYPE_STRUCT, [id, types @ ..]) => {
-                // A member that is itself a struct has no shape; it is not needed here.
-                let members = types.iter().zip(0..).map(|(of, member)| {
-                    Some(Member {
-                        name: member_names.get(&(*id, member))?.clone(),
-                        offset: *offsets.get(&(*id, member))?,
-                        shape: *shapes.get(of)?,
-                    })
-                });
-                if let (Some(members), Some(name)) = (members.collect(), names.get(id)) {
-                    found.push((name.clone(), members));
-                }
-            }
-            _ => {}
-        }
-    }
-    Ok(found)
+    let types = Types::of(words)?;
+    let named = |id: &u32| Some((types.names.get(id)?.clone(), types.members(*id)?));
+    Ok(types.structs.keys().filter_map(named).collect())
 }
 
-/// Name, offset and size in bytes.
-pub(super) type PushMember = (String, u32, u32);
+/// The parameters of a kernel.
+#[derive(Debug, PartialEq)]
+pub(super) struct Given {
+    /// Whether they are reached by their address.
+    pub(super) is_by_address: bool,
+    pub(super) members: Vec<Member>,
+}
 
-/// The push constants of a module: name, offset and size in bytes of each member; `None` if it has none.
+/// The parameters of a module: its push constants or, if they are only the address of a struct `Parameters`, its members;
+/// `None` if it has none.
 ///
 /// # Errors
 /// If the words are not valid SPIR-V, or a member has an unsupported type.
-pub(super) fn push_members(words: &[u32]) -> Result<Option<Vec<PushMember>>, String> {
-    let mut names = BTreeMap::new();
-    let mut offsets = BTreeMap::new();
-    let mut bytes = BTreeMap::new();
-    let mut constants = BTreeMap::new();
-    let mut members = BTreeMap::new();
-    let mut pointed = BTreeMap::new();
-    let mut block = None;
-    for (operation, operands) in instructions(words)? {
-        match (operation, operands) {
-            (OP_MEMBER_NAME, [id, member, text @ ..]) => _ = names.insert((*id, *member), string(text)),
-            (OP_MEMBER_DECORATE, [id, member, DECORATION_OFFSET, offset]) => {
-                _ = offsets.insert((*id, *member), *offset);
-            }
-            (OP_TYPE_INT | OP_TYPE_FLOAT, [id, bits, ..]) => _ = bytes.insert(*id, bits / 8),
-            (OP_CONSTANT, [_, id, value]) => _ = constants.insert(*id, *value),
-            (OP_TYPE_VECTOR, [id, of, count]) => {
-                _ = bytes.get(of).map(|of| of * count).map(|all| bytes.insert(*id, all))
-            }
-            (OP_TYPE_ARRAY, [id, of, count]) => {
-                if let (Some(of), Some(count)) = (bytes.get(of), constants.get(count)) {
-                    bytes.insert(*id, of * count);
-                }
-            }
-            // A buffer address, which may be declared before the type it points to.
-            (OP_TYPE_FORWARD_POINTER, [id, STORAGE_PHYSICAL]) | (OP_TYPE_POINTER, [id, STORAGE_PHYSICAL, _]) => {
-                bytes.insert(*id, 8);
-            }
-            (OP_TYPE_POINTER, [id, _, to]) => _ = pointed.insert(*id, *to),
-            (OP_TYPE_STRUCT, [id, types @ ..]) => _ = members.insert(*id, types.to_vec()),
-            (OP_VARIABLE, [of, _, STORAGE_PUSH_CONSTANT, ..]) => block = pointed.get(of).copied(),
-            _ => {}
-        }
-    }
-    let Some(block) = block else { return Ok(None) };
-    let types = members.remove(&block).ok_or("push constants that are no struct")?;
-    let member = |(of, number): (u32, u32)| {
-        let name = names.get(&(block, number)).cloned();
-        Some((name?, *offsets.get(&(block, number))?, *bytes.get(&of)?))
+pub(super) fn parameters(words: &[u32]) -> Result<Option<Given>, String> {
+    let types = Types::of(words)?;
+    let Some(block) = types.push else { return Ok(None) };
+    let only = match types.structs.get(&block).ok_or("push constants that are no struct")?.as_slice() {
+        [only] => types.pointers.get(only).filter(|to| types.names.get(to).is_some_and(|name| name == "Parameters")),
+        _ => None,
     };
-    let all: Option<Vec<_>> = types.into_iter().zip(0..).map(member).collect();
-    all.map(Some).ok_or_else(|| "a push constant of an unknown type".to_owned())
+    let members = types.members(*only.unwrap_or(&block)).ok_or("a parameter of an unknown type")?;
+    Ok(Some(Given { is_by_address: only.is_some(), members }))
 }
 
 /// The specialization constants of a module: id, name, and whether it is a `bool`.

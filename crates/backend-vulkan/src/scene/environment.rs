@@ -1,23 +1,22 @@
 //! An environment map on the device.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Result, SceneView};
 
 use super::Upload;
 
-/// `EnvironmentRef` of scene.glsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Record {
-    texels: u64,
-    rows: u64,
-    starts: u64,
-    width: u32,
-    height: u32,
-    rows_count: u32,
-    columns: u32,
-    step_texels: u32,
-    rotation: f32,
+host_struct! {
+    /// `EnvironmentRef` of scene.glsl.
+    struct EnvironmentRef {
+        texels: u64,
+        rows: u64,
+        starts: u64,
+        width: u32,
+        height: u32,
+        rows_count: u32,
+        columns: u32,
+        step_texels: u32,
+        rotation: f32,
+    }
 }
 
 /// Uploads [`SceneView::environment`]; returns the address of its record, or 0 without one.
@@ -26,7 +25,7 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>) -> Result<u6
     // The guide tables follow the starts, entry for entry.
     let guides = map.row_guide().iter().chain(map.column_guides()).map(|&index| u32::from(index));
     let starts: Vec<u32> = map.row_starts().iter().chain(map.column_starts()).copied().chain(guides).collect();
-    let record = Record {
+    let record = EnvironmentRef {
         texels: upload.table("environment", map.texels())?,
         rows: upload.table("environment", map.rows())?,
         starts: upload.table("environment", &starts)?,

@@ -1,17 +1,16 @@
 //! A light tree on the device.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::light_tree::{LightNode, LightTree, WIDTH};
 use photon_core::{Result, SceneView};
 
 use super::Upload;
 
-/// `LightTreeRef` of scene.glsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Record {
-    nodes: u64,
-    trails: u64,
+host_struct! {
+    /// `LightTreeRef` of scene.glsl.
+    struct LightTreeRef {
+        nodes: u64,
+        trails: u64,
+    }
 }
 
 /// Builds and uploads the tree of the lights of a scene; returns the address of its record. Node after node, the children
@@ -21,6 +20,6 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>) -> Result<u6
     let nodes: Vec<LightNode> =
         tree.nodes().iter().flat_map(|nodes| (0..WIDTH).map(|child| nodes.node(child))).collect();
     let record =
-        Record { nodes: upload.table("light tree", &nodes)?, trails: upload.table("light tree", tree.trails())? };
+        LightTreeRef { nodes: upload.table("light tree", &nodes)?, trails: upload.table("light tree", tree.trails())? };
     upload.table("scene", &[record])
 }

@@ -2,45 +2,45 @@
 
 use bytemuck::{Pod, Zeroable};
 use photon_core::texture::byte_values;
-use photon_core::{AlbedoTable, Features, Result, RoughGlassTable, SceneView, SheenTable, Texture};
+use photon_core::{AlbedoTable, Features, Result, RoughGlassTable, SceneView, SheenTable};
 
 use super::{BLOCK, Upload};
 
-/// `ShadingRef` of scene.glsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Record {
-    normals: u64,
-    tangents: u64,
-    colors: u64,
-    uvs: u64,
-    material_textures: u64,
-    uses: u64,
-    textures: u64,
-    values: u64,
-    albedos: u64,
-    has_normals: u32,
-    rough_ratios: u32,
-    anisotropies: u64,
-    diffuse_transmissions: u64,
-    clearcoat_normals: u64,
-    sheens: u64,
-    partial_transmissions: u64,
-    /// The record is a multiple of 16 bytes.
-    reserved: u64,
+host_struct! {
+    /// `ShadingRef` of scene.glsl.
+    struct ShadingRef {
+        normals: u64,
+        tangents: u64,
+        colors: u64,
+        uvs: u64,
+        material_textures: u64,
+        uses: u64,
+        textures: u64,
+        values: u64,
+        albedos: u64,
+        has_normals: u32,
+        rough_ratios: u32,
+        anisotropies: u64,
+        diffuse_transmissions: u64,
+        clearcoat_normals: u64,
+        sheens: u64,
+        partial_transmissions: u64,
+        /// The record is a multiple of 16 bytes.
+        reserved: u64,
+    }
 }
 
-/// `Texture` of texture.glsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Image {
-    texels: u64,
-    width: u32,
-    height: u32,
-    format: u32,
-    wrap_u: u32,
-    wrap_v: u32,
-    filter_mode: u32,
+host_struct! {
+    /// `Texture` of texture.glsl.
+    struct Texture {
+        texels: u64,
+        width: u32,
+        height: u32,
+        format: u32,
+        wrap_u: u32,
+        wrap_v: u32,
+        filter_mode: u32,
+    }
 }
 
 /// Uploads the tables in [`SceneView::shading`], those of triangles in BVH order; returns the address of their record,
@@ -51,7 +51,7 @@ pub(super) fn upload(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32
     if tables.is_empty() && !followed {
         return Ok(0);
     }
-    let mut record = Record::zeroed();
+    let mut record = ShadingRef::zeroed();
     record.has_normals = u32::from(!tables.normals.is_empty());
     record.normals = attribute(upload, "vertex normals", tables.normals, order)?;
     record.tangents = attribute(upload, "vertex tangents", tables.tangents, order)?;
@@ -123,8 +123,8 @@ fn uvs(upload: &mut Upload<'_>, view: &SceneView<'_>, order: &[u32]) -> Result<u
     Ok(address)
 }
 
-fn image(upload: &mut Upload<'_>, texture: &Texture) -> Result<Image> {
-    Ok(Image {
+fn image(upload: &mut Upload<'_>, texture: &photon_core::Texture) -> Result<Texture> {
+    Ok(Texture {
         texels: upload.table("textures", &texture.texels)?,
         width: texture.width,
         height: texture.height,

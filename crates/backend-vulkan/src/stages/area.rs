@@ -1,6 +1,5 @@
 //! Fraction of each estimate's disc that lies on the surface.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{AreaProbe, EstimateBuffers, EstimateParams, Features, Pass, Query, Result};
 
 use crate::device::ComputePipeline;
@@ -18,27 +17,22 @@ const RAYS: u64 = 64;
 #[derive(Debug)]
 pub(crate) struct VulkanArea;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    scene: u64,
-    queries: u64,
-    count: u64,
-    estimates: u64,
-    error_moments: u64,
-    seed: u64,
-    pass: u32,
-    start: u32,
-    min_cosine: f32,
-    slope: f32,
-    max_plane_distance: f32,
-    padding: u32,
+parameters! {
+    struct Push => STAGES_AREA {
+        scene: u64,
+        queries: u64,
+        count: u64,
+        estimates: u64,
+        error_moments: u64,
+        seed: u64,
+        pass: u32,
+        start: u32,
+        min_cosine: f32,
+        slope: f32,
+        max_plane_distance: f32,
+        padding: u32,
+    }
 }
-
-pushed!(
-    push_layout: Push => STAGES_AREA,
-    scene queries count estimates error_moments seed pass start min_cosine slope max_plane_distance padding
-);
 
 specialized!(
     area_constants: AreaConstants => STAGES_AREA,

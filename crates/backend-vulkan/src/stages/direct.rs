@@ -1,6 +1,5 @@
 //! Direct light by next-event estimation.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{DirectLight, Features, Layer, MediaFeatures, Pass, Query, Result};
 
 use crate::device::ComputePipeline;
@@ -17,26 +16,21 @@ const GROUP: u32 = 128;
 #[derive(Debug)]
 pub(crate) struct VulkanDirect;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    scene: u64,
-    queries: u64,
-    count: u64,
-    values: u64,
-    seed: u64,
-    pass: u32,
-    rays: u32,
-    start: u32,
-    start_ray: u32,
-    end_ray: u32,
-    padding: u32,
+parameters! {
+    struct Push => STAGES_DIRECT {
+        scene: u64,
+        queries: u64,
+        count: u64,
+        values: u64,
+        seed: u64,
+        pass: u32,
+        rays: u32,
+        start: u32,
+        start_ray: u32,
+        end_ray: u32,
+        padding: u32,
+    }
 }
-
-pushed!(
-    push_layout: Push => STAGES_DIRECT,
-    scene queries count values seed pass rays start start_ray end_ray padding
-);
 
 specialized!(
     direct_constants: DirectConstants => STAGES_DIRECT,

@@ -1,6 +1,5 @@
 //! Photon emission from the lights.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Batch, Emitter, Features, PhotonRay, ProjectionMap, RandomKind, Result};
 
 use crate::device::buffer::VulkanBuffer;
@@ -15,23 +14,21 @@ const GROUP: u32 = 128;
 #[derive(Debug)]
 pub(crate) struct VulkanEmitter;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    scene: u64,
-    rays: u64,
-    seed: [u32; 2],
-    pass: u32,
-    first: u32,
-    count: u32,
-    portal_count: u32,
-    /// `ProjectionRef` of projection.glsl; 0 without a projection map.
-    projection: u64,
-    /// `PortalTable` of portals.glsl; 0 without portals.
-    portals: u64,
+parameters! {
+    struct Push => STAGES_EMIT {
+        scene: u64,
+        rays: u64,
+        seed: [u32; 2],
+        pass: u32,
+        first: u32,
+        count: u32,
+        portal_count: u32,
+        /// `ProjectionRef` of projection.glsl; 0 without a projection map.
+        projection: u64,
+        /// `PortalTable` of portals.glsl; 0 without portals.
+        portals: u64,
+    }
 }
-
-pushed!(push_layout: Push => STAGES_EMIT, scene rays seed pass first count portal_count projection portals);
 
 specialized!(
     emit_constants: EmitConstants => STAGES_EMIT,
@@ -53,20 +50,20 @@ impl Emitter<Vulkan> for VulkanEmitter {
 /// Emits photons towards specular surfaces, by a projection map.
 #[derive(Debug)]
 pub(crate) struct VulkanAimedEmitter {
-    /// One `Record`, which holds the addresses of the tables.
+    /// One `ProjectionRef`, which holds the addresses of the tables.
     record: Memory,
     _tables: [Memory; 3],
 }
 
-/// `ProjectionRef` of projection.glsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Record {
-    targets: u64,
-    starts: u64,
-    cells: u64,
-    count: u32,
-    pad: u32,
+host_struct! {
+    /// `ProjectionRef` of projection.glsl.
+    struct ProjectionRef {
+        targets: u64,
+        starts: u64,
+        cells: u64,
+        count: u32,
+        pad: u32,
+    }
 }
 
 impl VulkanAimedEmitter {
@@ -85,7 +82,7 @@ impl VulkanAimedEmitter {
             table(bytemuck::cast_slice(projection.starts()))?,
             table(bytemuck::cast_slice(projection.cells()))?,
         ];
-        let record = Record {
+        let record = ProjectionRef {
             targets: tables[0].address(),
             starts: tables[1].address(),
             cells: tables[2].address(),

@@ -1,6 +1,5 @@
 //! Camera paths, traced to the first diffuse surface.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{
     Camera, EyeTracer, Features, Layer, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Requirements, Result, Settings,
     View,
@@ -59,59 +58,50 @@ struct EyeScratch {
     queries: Memory,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct EyePush {
-    scene: u64,
-    camera: u64,
-    first: u64,
-    emission: u64,
-    found: u64,
-    counts: u64,
-    seed: u64,
-    pass: u32,
-    width: u32,
-    height: u32,
-    start_row: u32,
-    end_row: u32,
-    max_bounces: u32,
-    truncated: u64,
+parameters! {
+    struct EyePush => STAGES_EYE {
+        scene: u64,
+        camera: u64,
+        first: u64,
+        emission: u64,
+        found: u64,
+        counts: u64,
+        seed: u64,
+        pass: u32,
+        width: u32,
+        height: u32,
+        start_row: u32,
+        end_row: u32,
+        max_bounces: u32,
+        truncated: u64,
+    }
 }
 
-pushed!(
-    eye_push_layout: EyePush => STAGES_EYE,
-    scene camera first emission found counts seed pass width height start_row end_row max_bounces truncated
-);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct CompactPush {
-    found: u64,
-    counts: u64,
-    offsets: u64,
-    to: u64,
-    capacity: u32,
-    start: u32,
-    count: u32,
-    padding: u32,
+parameters! {
+    struct CompactPush => STAGES_EYE_COMPACT {
+        found: u64,
+        counts: u64,
+        offsets: u64,
+        to: u64,
+        capacity: u32,
+        start: u32,
+        count: u32,
+        padding: u32,
+    }
 }
 
-pushed!(compact_push_layout: CompactPush => STAGES_EYE_COMPACT, found counts offsets to capacity start count padding);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct SettlePush {
-    from: u64,
-    queries: u64,
-    offsets: u64,
-    total: u64,
-    start: u32,
-    end: u32,
-    pixels: u32,
-    padding: u32,
+parameters! {
+    struct SettlePush => STAGES_EYE_SETTLE {
+        from: u64,
+        queries: u64,
+        offsets: u64,
+        total: u64,
+        start: u32,
+        end: u32,
+        pixels: u32,
+        padding: u32,
+    }
 }
-
-pushed!(settle_push_layout: SettlePush => STAGES_EYE_SETTLE, from queries offsets total start end pixels padding);
 
 specialized!(
     eye_constants: EyeConstants => STAGES_EYE,
@@ -311,17 +301,15 @@ impl EyeScratch {
     }
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct RadiiPush {
-    queries: u64,
-    count: u64,
-    factors: u64,
-    pixels: u32,
-    padding: u32,
+parameters! {
+    struct RadiiPush => STAGES_EYE_RADII {
+        queries: u64,
+        count: u64,
+        factors: u64,
+        pixels: u32,
+        padding: u32,
+    }
 }
-
-pushed!(radii_push_layout: RadiiPush => STAGES_EYE_RADII, queries count factors pixels padding);
 
 /// The kernel of [`scale_radii`].
 pub(crate) fn radii_kernel(on: &mut Vulkan) -> ComputePipeline {

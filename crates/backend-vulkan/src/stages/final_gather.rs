@@ -1,6 +1,5 @@
 //! Indirect light by final gathering (Jensen 1996).
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{
     AreaProbe as _, ErrorMoments, Estimate, EstimateBuffers, Features, FinalGather, Layer, Maps, MediaFeatures, Pass,
     PhotonFormat, Query, RadianceEstimator, Result,
@@ -36,49 +35,39 @@ struct ErrorBuffers {
     queries: VulkanBuffer<ErrorMoments>,
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct GatherPush {
-    scene: u64,
-    queries: u64,
-    landings: u64,
-    seed: u64,
-    pass: u32,
-    rays: u32,
-    start_ray: u32,
-    count_rays: u32,
-    start_query: u32,
-    count_queries: u32,
-    max_bounces: u32,
-    padding: u32,
-    truncated: u64,
+parameters! {
+    struct GatherPush => STAGES_FINAL_GATHER {
+        scene: u64,
+        queries: u64,
+        landings: u64,
+        seed: u64,
+        pass: u32,
+        rays: u32,
+        start_ray: u32,
+        count_rays: u32,
+        start_query: u32,
+        count_queries: u32,
+        max_bounces: u32,
+        padding: u32,
+        truncated: u64,
+    }
 }
 
-pushed!(
-    gather_push_layout: GatherPush => STAGES_FINAL_GATHER,
-    scene queries landings seed pass rays start_ray count_rays start_query count_queries max_bounces padding truncated
-);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct GatheredPush {
-    landings: u64,
-    estimates: u64,
-    values: u64,
-    error_moments: u64,
-    errors: u64,
-    count_rays: u32,
-    start_query: u32,
-    count_queries: u32,
-    scale: f32,
-    share: f32,
-    padding: u32,
+parameters! {
+    struct GatheredPush => STAGES_FINAL_GATHER_SUM {
+        landings: u64,
+        estimates: u64,
+        values: u64,
+        error_moments: u64,
+        errors: u64,
+        count_rays: u32,
+        start_query: u32,
+        count_queries: u32,
+        scale: f32,
+        share: f32,
+        padding: u32,
+    }
 }
-
-pushed!(
-    gathered_push_layout: GatheredPush => STAGES_FINAL_GATHER_SUM,
-    landings estimates values error_moments errors count_rays start_query count_queries scale share padding
-);
 
 specialized!(
     gather_constants: GatherConstants => STAGES_FINAL_GATHER,

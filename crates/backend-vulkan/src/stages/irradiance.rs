@@ -1,6 +1,5 @@
 //! Precomputed irradiance at photon positions.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Estimate, IrradiancePoints, Photon, PhotonFormat, Query, Result};
 
 use crate::device::ComputePipeline;
@@ -16,32 +15,28 @@ const GROUP: u32 = 128;
 #[derive(Debug)]
 pub(crate) struct VulkanIrradiance;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct PlacesPush {
-    positions: u64,
-    queries: u64,
-    first: u32,
-    count: u32,
-    every: u32,
-    padding: u32,
+parameters! {
+    struct PlacesPush => STAGES_IRRADIANCE_PLACES {
+        positions: u64,
+        queries: u64,
+        first: u32,
+        count: u32,
+        every: u32,
+        padding: u32,
+    }
 }
 
-pushed!(places_push_layout: PlacesPush => STAGES_IRRADIANCE_PLACES, positions queries first count every padding);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct AddPush {
-    queries: u64,
-    estimates: u64,
-    points: u64,
-    count: u32,
-    first: u32,
-    scale: f32,
-    padding: u32,
+parameters! {
+    struct AddPush => STAGES_IRRADIANCE {
+        queries: u64,
+        estimates: u64,
+        points: u64,
+        count: u32,
+        first: u32,
+        scale: f32,
+        padding: u32,
+    }
 }
-
-pushed!(add_push_layout: AddPush => STAGES_IRRADIANCE, queries estimates points count first scale padding);
 
 /// Kernels: that which chooses the points, and that which adds to them.
 pub(crate) fn kernels(on: &mut Vulkan) -> [ComputePipeline; 2] {

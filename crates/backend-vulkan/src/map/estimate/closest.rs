@@ -1,6 +1,5 @@
 //! Estimates from the nearest photon of each query.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Estimate, EstimateParams, PhotonFormat, Query, Result};
 
 use crate::device::ComputePipeline;
@@ -14,32 +13,26 @@ const GROUP: u32 = 64;
 /// Maximum number of queries per dispatch.
 const PORTION: u64 = 1 << 20;
 
-/// The push constants of `search/nearest_photon.comp`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct Push {
-    nodes: u64,
-    positions: u64,
-    power: u64,
-    ids: u64,
-    queries: u64,
-    query_count: u64,
-    results: u64,
-    result_count: u64,
-    order: u64,
-    points: u32,
-    first: u32,
-    capacity: u32,
-    radius: f32,
-    min_cosine: f32,
-    padding: u32,
+parameters! {
+    /// Parameters of `search/nearest_photon.comp`.
+    struct Push => SEARCH_NEAREST_PHOTON {
+        nodes: u64,
+        positions: u64,
+        power: u64,
+        ids: u64,
+        queries: u64,
+        query_count: u64,
+        results: u64,
+        result_count: u64,
+        order: u64,
+        points: u32,
+        first: u32,
+        capacity: u32,
+        radius: f32,
+        min_cosine: f32,
+        padding: u32,
+    }
 }
-
-pushed!(
-    push_layout: Push => SEARCH_NEAREST_PHOTON,
-    nodes positions power ids queries query_count results result_count order points first capacity radius min_cosine
-    padding
-);
 
 specialized!(
     nearest_photon_constants: NearestPhotonConstants => SEARCH_NEAREST_PHOTON, 2 ordered: bool, 3 format: PhotonFormat

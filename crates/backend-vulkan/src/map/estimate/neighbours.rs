@@ -1,6 +1,5 @@
 //! Neighbour searches, usable without the rest of the pipeline.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Backend, Kernel, Query, Result};
 
 use super::check_radius;
@@ -19,20 +18,18 @@ const ROOM: u32 = 2048;
 /// Minimum number of keys in shared memory: short rows share a workgroup.
 const MIN_ROOM: u32 = 512;
 
-/// The push constants of `search/order.comp`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct OrderPush {
-    rows: u64,
-    ids: u64,
-    order: u64,
-    first: u32,
-    count: u32,
-    k: u32,
-    room: u32,
+parameters! {
+    /// Parameters of `search/order.comp`.
+    struct OrderPush => SEARCH_ORDER {
+        rows: u64,
+        ids: u64,
+        order: u64,
+        first: u32,
+        count: u32,
+        k: u32,
+        room: u32,
+    }
 }
-
-pushed!(order_push_layout: OrderPush => SEARCH_ORDER, rows ids order first count k room);
 
 specialized!(order_constants: OrderConstants => SEARCH_ORDER, 2 room: u32, 3 ordered: bool);
 

@@ -1,7 +1,6 @@
 //! The order in which queries are processed: neighbours together, since the queries of a tile share memory
 //! reads.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Query, Result};
 
 use crate::device::buffer::VulkanBuffer;
@@ -11,19 +10,17 @@ use crate::shaders;
 use crate::sort::{Pairs, Sort};
 use crate::vulkan::Vulkan;
 
-/// The push constants of `search/codes.comp`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct CodesPush {
-    nodes: u64,
-    queries: u64,
-    query_count: u64,
-    codes: u64,
-    count: u32,
-    reserved: u32,
+parameters! {
+    /// Parameters of `search/codes.comp`.
+    struct CodesPush => SEARCH_CODES {
+        nodes: u64,
+        queries: u64,
+        query_count: u64,
+        codes: u64,
+        count: u32,
+        reserved: u32,
+    }
 }
-
-pushed!(codes_push_layout: CodesPush => SEARCH_CODES, nodes queries query_count codes count reserved);
 
 /// Computes the Morton order of queries, without moving them.
 #[derive(Debug)]

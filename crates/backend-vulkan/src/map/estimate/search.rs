@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Error, Kernel, PhotonFormat, Query, Result};
 
 use super::order::Order;
@@ -71,6 +70,14 @@ impl Weighting {
             Self::Sheen(_) => 4,
         }
     }
+
+    /// Address of the table of albedos; 0 without one.
+    fn albedos(self) -> u64 {
+        match self {
+            Self::Even | Self::Cosine => 0,
+            Self::Reflection(albedos) | Self::Anisotropic(albedos) | Self::Sheen(albedos) => albedos,
+        }
+    }
 }
 
 /// Parameters of a search.
@@ -99,52 +106,46 @@ pub(super) struct Question {
     pub(super) error_moments: u64,
 }
 
-/// The push constants of `search_map.glsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct Push {
-    nodes: u64,
-    totals: u64,
-    positions: u64,
-    power: u64,
-    ids: u64,
-    queries: u64,
-    query_count: u64,
-    results: u64,
-    result_count: u64,
-    order: u64,
-    pauses: u64,
-    points: u32,
-    first: u32,
-    end: u32,
-    k: u32,
-    radius: f32,
-    min_cosine: f32,
-    parameter: f32,
-    threshold: u32,
-    capacity: u32,
-    max_plane_distance: f32,
+parameters! {
+    /// Parameters of `search_map.glsl`.
+    struct Push => SEARCH_COUNT SEARCH_K_NEAREST SEARCH_RADIUS {
+        nodes: u64,
+        totals: u64,
+        positions: u64,
+        power: u64,
+        ids: u64,
+        error_moments: u64,
+        queries: u64,
+        query_count: u64,
+        results: u64,
+        result_count: u64,
+        order: u64,
+        pauses: u64,
+        albedos: u64,
+        points: u32,
+        first: u32,
+        end: u32,
+        k: u32,
+        radius: f32,
+        min_cosine: f32,
+        parameter: f32,
+        threshold: u32,
+        capacity: u32,
+        max_plane_distance: f32,
+    }
 }
 
-pushed!(
-    push_layout: Push => SEARCH_COUNT SEARCH_K_NEAREST SEARCH_RADIUS,
-    nodes totals positions power ids queries query_count results result_count order pauses points first end k radius
-    min_cosine parameter threshold capacity max_plane_distance
-);
-
-/// The push constants of `search/sample.comp`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct SamplePush {
-    photons: u64,
-    queries: u64,
-    points: u32,
-    count: u32,
-    radius: f32,
-    reserved: u32,
+parameters! {
+    /// Parameters of `search/sample.comp`.
+    struct SamplePush => SEARCH_SAMPLE {
+        photons: u64,
+        queries: u64,
+        points: u32,
+        count: u32,
+        radius: f32,
+        reserved: u32,
+    }
 }
-
-pushed!(sample_push_layout: SamplePush => SEARCH_SAMPLE, photons queries points count radius reserved);
 
 specialized!(
     radius_constants: RadiusConstants => SEARCH_RADIUS,
@@ -293,13 +294,15 @@ impl MapSearch {
             totals: map.totals.address(),
             positions: map.positions.address(),
             power: map.power.address(),
-            ids: if question.error_moments == 0 { map.ids.address() } else { question.error_moments },
+            ids: map.ids.address(),
+            error_moments: question.error_moments,
             queries: queries.data_address(),
             query_count: queries.count_address(),
             results,
             result_count,
             order,
             pauses: 0,
+            albedos: question.shading.albedos(),
             points,
             first: 0,
             end: 0,
@@ -311,17 +314,6 @@ impl MapSearch {
             capacity: capacity.min(u64::from(u32::MAX)) as u32,
             max_plane_distance: question.max_plane_distance,
         };
-        if let Weighting::Reflection(albedos) | Weighting::Anisotropic(albedos) | Weighting::Sheen(albedos) =
-            question.shading
-        {
-            // In words that these searches do not use: search_map.glsl.
-            let (low, high) = (albedos as u32, (albedos >> 32) as u32);
-            push.threshold = low;
-            match question.mode {
-                Mode::Radius => push.k = high,
-                _ => push.max_plane_distance = f32::from_bits(high),
-            }
-        }
         let portion = if turns > 0 { span * (SUBGROUPS / u64::from(TILES)) } else { PORTION / span * span };
         let paused = &mut self.paused;
         let mut all = |on: &mut Vulkan| {

@@ -1,86 +1,74 @@
 //! Push and specialization constants of the kernels of photon tracing.
 
-use bytemuck::{Pod, Zeroable};
 use photon_core::{Features, MediaFeatures};
 
 use super::scratch::MAPS;
 
-/// `Chunk` of trace.comp.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct Chunk {
-    pub(super) stored: u64,
-    pub(super) endings: u64,
-    pub(super) states: u64,
-    pub(super) seed: [u32; 2],
-    pub(super) pass: u32,
-    pub(super) first: u32,
-    pub(super) count: u32,
-    pub(super) pad: u32,
+host_struct! {
+    /// `Chunk` of trace.comp.
+    pub(super) struct Chunk {
+        pub(super) stored: u64,
+        pub(super) endings: u64,
+        pub(super) states: u64,
+        pub(super) seed: [u32; 2],
+        pub(super) pass: u32,
+        pub(super) first: u32,
+        pub(super) count: u32,
+        pub(super) pad: u32,
+    }
 }
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct TracePush {
-    pub(super) chunk: u64,
-    pub(super) scene: u64,
-    pub(super) rays: u64,
-    pub(super) photons: u64,
-    pub(super) owners: u64,
-    pub(super) place: u64,
-    pub(super) now: u64,
-    pub(super) then: u64,
-    pub(super) waiting: u64,
-    pub(super) left: u64,
-    pub(super) quota: u32,
-    pub(super) surfaces: u32,
-    pub(super) begins: u32,
-    pub(super) places: u32,
-    pub(super) max_bounces: u32,
-    pub(super) pad: u32,
+parameters! {
+    pub(super) struct TracePush => STAGES_TRACE {
+        pub(super) chunk: u64,
+        pub(super) scene: u64,
+        pub(super) rays: u64,
+        pub(super) photons: u64,
+        pub(super) owners: u64,
+        pub(super) place: u64,
+        pub(super) now: u64,
+        pub(super) then: u64,
+        pub(super) waiting: u64,
+        pub(super) left: u64,
+        pub(super) quota: u32,
+        pub(super) surfaces: u32,
+        pub(super) begins: u32,
+        pub(super) places: u32,
+        pub(super) max_bounces: u32,
+        pub(super) pad: u32,
+    }
 }
 
-pushed!(
-    trace_push_layout: TracePush => STAGES_TRACE,
-    chunk scene rays photons owners place now then waiting left quota surfaces begins places max_bounces pad
-);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct TallyPush {
-    pub(super) rays: u64,
-    pub(super) endings: u64,
-    pub(super) stored: u64,
-    pub(super) sums: u64,
-    pub(super) first: u32,
-    pub(super) count: u32,
+parameters! {
+    pub(super) struct TallyPush => STAGES_TALLY {
+        pub(super) rays: u64,
+        pub(super) endings: u64,
+        pub(super) stored: u64,
+        pub(super) sums: u64,
+        pub(super) first: u32,
+        pub(super) count: u32,
+    }
 }
 
-pushed!(tally_push_layout: TallyPush => STAGES_TALLY, rays endings stored sums first count);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct ScatterPush {
-    pub(super) photons: u64,
-    pub(super) owners: u64,
-    pub(super) offsets: u64,
-    pub(super) cursors: u64,
-    pub(super) to: [u64; MAPS],
-    pub(super) fills: [u64; MAPS],
-    pub(super) count: u32,
-    pub(super) places: u32,
+parameters! {
+    pub(super) struct ScatterPush => STAGES_TRACE_REORDER {
+        pub(super) photons: u64,
+        pub(super) owners: u64,
+        pub(super) offsets: u64,
+        pub(super) cursors: u64,
+        pub(super) to: [u64; MAPS],
+        pub(super) fills: [u64; MAPS],
+        pub(super) count: u32,
+        pub(super) places: u32,
+    }
 }
 
-pushed!(scatter_push_layout: ScatterPush => STAGES_TRACE_REORDER, photons owners offsets cursors to fills count places);
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct AdvancePush {
-    pub(super) totals: u64,
-    pub(super) needed: [u64; MAPS],
+parameters! {
+    pub(super) struct AdvancePush => STAGES_TRACE_ADVANCE {
+        pub(super) totals: u64,
+        pub(super) needed: [u64; MAPS],
+    }
 }
-
-pushed!(advance_push_layout: AdvancePush => STAGES_TRACE_ADVANCE, totals needed);
 
 specialized!(
     trace_constants: TraceConstants => STAGES_TRACE,

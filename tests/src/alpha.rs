@@ -8,7 +8,7 @@ use photon_scene::{
     VertexAttributes,
 };
 
-use crate::harness::{TestBackend, direct_settings, film, per_pass, trace};
+use crate::harness::{InFull, TestBackend, direct_settings, film, per_pass, trace};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
 /// An albedo that is not seen, of surfaces that must not be black: pictures of black surfaces alone are refused.
@@ -75,7 +75,7 @@ fn check_transmitted<T: TestBackend>(what: &str, truth: f64, passes: u32, sheets
             assert!(!agrees(found, 0.95 * truth - 0.1 * (1.0 - truth), error, 1e-6), "{what}: the error is too large");
         } else {
             let settings = Settings { photons: 400 * passes, ..direct_light(direct) };
-            let values = per_pass::<T>(&scene, &settings, 16, 4);
+            let values = per_pass::<InFull<T>>(&scene, &settings, 16, 4);
             assert_agrees(&format!("{what}, photons"), moments(&values).0, truth, standard_error(&values), 1e-6);
         }
     }

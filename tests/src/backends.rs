@@ -40,6 +40,8 @@ pub struct OnValidatedVulkan;
 impl TestBackend for OnValidatedVulkan {
     type On = Vulkan;
 
+    const ONE_OF: u32 = 4;
+
     fn make(_threads: usize) -> Vulkan {
         low_level::for_tests().expect("available a moment ago")
     }

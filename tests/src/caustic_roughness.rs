@@ -15,7 +15,7 @@ use crate::clearcoat::columns;
 use crate::closed_room;
 use crate::gloss_caustics::{Floor, UP, through_a_pane, towards};
 use crate::gloss_reference::Reference;
-use crate::harness::{TestBackend, direct_settings, film, per_pass};
+use crate::harness::{InFull, TestBackend, direct_settings, film, per_pass};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 use crate::stripes;
 
@@ -265,7 +265,7 @@ pub fn all_values_have_the_same_expectation<T: TestBackend>() {
     let with = |least| {
         let settings = Settings { area: Area::Surface, photons: 4_000, ..settings(least) };
         let emission = mean_of(&film::<T>(&scene, &settings, 8, 24), Layer::Emission);
-        (Requirements::of(&scene.view(), &settings), columns::<T>(&scene, &settings, 32), emission)
+        (Requirements::of(&scene.view(), &settings), columns::<InFull<T>>(&scene, &settings, 32), emission)
     };
     let (required, off, all_emission) = with(None);
     assert!(required.gloss_caustics && !required.gloss_caustics_of_all_lights);

@@ -1,12 +1,12 @@
 //! Clearcoats against closed forms and quadratures.
 
 use photon_core::glam::DVec3;
-use photon_core::{Direct, EnvironmentMap, Filter, Render, Settings};
+use photon_core::{Direct, EnvironmentMap, Filter, Settings};
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc};
 
 use crate::gloss_caustics::through_a_pane;
 use crate::gloss_reference::{Reference, albedo, schlick, single};
-use crate::harness::{TestBackend, direct_settings, renderer};
+use crate::harness::{InFull, TestBackend, direct_settings, means_per_pass};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 use crate::stripes::{self, VIEW};
 use photon_scene::VertexAttributes;
@@ -50,19 +50,11 @@ fn scene(descs: Vec<(u32, MaterialDesc)>, mut builder: SceneBuilder, light: Opti
 
 /// The mean of each column in each pass, of red.
 pub(crate) fn columns<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32) -> [Vec<f64>; 8] {
-    let mut renderer = renderer::<T>(scene, settings, 8);
-    let mut before = [0.0; 8];
-    let mut found = [(); 8].map(|()| Vec::new());
-    for pass in 0..passes {
-        renderer.pass(pass, &mut ()).unwrap();
-        let beauty = renderer.film().unwrap().beauty();
-        for (column, values) in found.iter_mut().enumerate() {
-            let mean = (0..8).map(|row| f64::from(beauty[row * 8 + column][0])).sum::<f64>() / 8.0;
-            let sum = mean * f64::from(pass + 1);
-            values.push(sum - std::mem::replace(&mut before[column], sum));
-        }
-    }
-    found
+    let mean = |beauty: &[[f32; 3]], column: usize| {
+        (0..8).map(|row| f64::from(beauty[row * 8 + column][0])).sum::<f64>() / 8.0
+    };
+    let means = |beauty: &[[f32; 3]]| (0..8).map(|column| mean(beauty, column)).collect();
+    means_per_pass::<T>(scene, settings, (passes, 8), means).try_into().expect("eight columns")
 }
 
 /// White diffuse surfaces with a clearcoat show an even sky's radiance of 1, white metals at least .947 of it.
@@ -187,7 +179,7 @@ pub fn own_normals<T: TestBackend>() {
     assert!((bumpy / even - 1.0).abs() > 0.2, "{bumpy} {even}");
     let expected = [bumpy, even, bumpy + below, bumpy, bumpy, bumpy, even, bumpy];
     let (r, w) = (0.1, 0.25);
-    let found = columns::<T>(&scene, &direct_settings(Direct::Nee, r), 48);
+    let found = columns::<InFull<T>>(&scene, &direct_settings(Direct::Nee, r), 48);
     // Kernels of radius r move light across the edge of the pane's shadow and past the end of the surface: with the density
     // 2/(π r²) (1 − d²/r²) on a disc, ½ E|x| = 8 r/(15 π) per length of the edge, of columns of the width w.
     let edge = 8.0 * r / (15.0 * std::f64::consts::PI * w);

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use photon_core::{Direct, EnvironmentMap, Estimator, Layer, Pipeline, Render, Settings, View};
 use photon_scene::{CameraDesc, EnvironmentDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, Sun, shapes};
 
-use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, trace, watts};
+use crate::harness::{TestBackend, direct_settings, film, look_at_point, means_per_pass, per_pass, trace, watts};
 use crate::stats::{assert_agrees, moments, standard_error};
 
 fn settings(direct: Direct) -> Settings {
@@ -55,18 +55,9 @@ pub fn g10_plate_under_a_gradient<T: TestBackend>() {
 
 /// Mean of the red channel over the pixels of each pass.
 fn per_pass_red<T: TestBackend>(scene: &photon_scene::Scene, settings: &Settings, passes: u32) -> Vec<f64> {
-    use photon_core::Render;
-    let mut renderer = crate::harness::renderer::<T>(scene, settings, 4);
-    let mut before = 0.0;
-    (0..passes)
-        .map(|pass| {
-            renderer.pass(pass, &mut ()).unwrap();
-            let beauty = renderer.film().unwrap().beauty();
-            let sum = beauty.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / beauty.len() as f64;
-            let sum = sum * f64::from(pass + 1);
-            sum - std::mem::replace(&mut before, sum)
-        })
-        .collect()
+    let red =
+        |beauty: &[[f32; 3]]| vec![beauty.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / beauty.len() as f64];
+    means_per_pass::<T>(scene, settings, (passes, 4), red).swap_remove(0)
 }
 
 /// G10: an even environment of radiance L sends `4π²R²L` through the sphere of radius R around the scene, and all of the

@@ -9,7 +9,7 @@ use photon_core::{Area, CausticPhotons, Direct, Estimator, Indirect, Layer, Rend
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, VertexAttributes};
 
 use crate::gloss_reference::Reference;
-use crate::harness::{TestBackend, film, per_pass, renderer};
+use crate::harness::{InFull, TestBackend, film, per_pass, renderer};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
 /// A glossy floor without a base: metal, or black plastic with a coat of index 1.5.
@@ -117,7 +117,7 @@ pub fn sun_through_a_pane<T: TestBackend>() {
             _ => {}
         }
         settings.photons = 40_000;
-        let values = per_pass::<T>(&scene, &settings, 24, 2);
+        let values = per_pass::<InFull<T>>(&scene, &settings, 24, 2);
         let truth_of = |floor: Floor| through_a_pane(-i.x) * SUN * cos_i * floor.f(o, i, UP);
         let (found, truth, error) = (moments(&values).0, truth_of(floor), standard_error(&values));
         assert_agrees(&format!("case {k}"), found, truth, error, 5e-3 * truth);
@@ -177,7 +177,7 @@ pub fn point_light_in_a_mirror<T: TestBackend>() {
     let mut settings = settings();
     settings.estimator = Estimator::Radius { radius: Some(0.04) };
     settings.photons = 60_000;
-    let values = per_pass::<T>(&scene, &settings, 24, 2);
+    let values = per_pass::<InFull<T>>(&scene, &settings, 24, 2);
     let image = DVec3::new(-1.2 - light.x, light.y, light.z);
     let i = image.normalize_or_zero();
     let truth = 0.9 * i.y / image.length_squared() * floor.f(o, i, UP);

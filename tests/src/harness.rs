@@ -1,5 +1,6 @@
 //! The test interface of a backend, and helpers to run its stages.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use photon_core::random::{Domain, Sampler, unit_f32};
@@ -14,11 +15,26 @@ use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
 pub trait TestBackend {
     /// The backend's type.
     type On: TransportBackend;
+    /// Statistical tests trace one of so many photons. A backend whose paths and pictures are compared with those of the CPU, where
+    /// the tests run in full, needs fewer to tell a fault of its own; tolerances follow from the standard error.
+    const ONE_OF: u32 = 1;
     /// Creates a new backend; `threads` is used where it applies.
     fn make(threads: usize) -> Self::On;
     /// Whether the backend is available; if not, the reason is printed to standard error.
     fn available() -> bool {
         true
+    }
+}
+
+/// A backend for tests that need all photons: of rare events, or whose noise would hide what they look for.
+#[derive(Clone, Copy, Debug)]
+pub struct InFull<T>(PhantomData<T>);
+
+impl<T: TestBackend> TestBackend for InFull<T> {
+    type On = T::On;
+
+    fn make(threads: usize) -> T::On {
+        T::make(threads)
     }
 }
 
@@ -207,17 +223,40 @@ pub fn renderer<T: TestBackend>(scene: &Scene, settings: &Settings, size: u32) -
 
 /// Mean over the pixels of each pass, mean of RGB. Passes are independent; the pixels of one pass are not.
 pub fn per_pass<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32, size: u32) -> Vec<f64> {
-    let mut renderer = renderer::<T>(scene, settings, size);
-    let mut before = 0.0;
-    (0..passes)
-        .map(|pass| {
-            renderer.pass(pass, &mut ()).unwrap();
-            let beauty = renderer.film().unwrap().beauty();
-            let mean = beauty.iter().flatten().map(|&c| f64::from(c)).sum::<f64>() / (3 * beauty.len()) as f64;
-            let sum = mean * f64::from(pass + 1);
-            sum - std::mem::replace(&mut before, sum)
-        })
-        .collect()
+    let mean = |beauty: &[[f32; 3]]| {
+        let sum = beauty.iter().flatten().map(|&c| f64::from(c)).sum::<f64>();
+        vec![sum / (3 * beauty.len()) as f64]
+    };
+    means_per_pass::<T>(scene, settings, (passes, size), mean).swap_remove(0)
+}
+
+/// For each of several means over pixels of the picture, its value in each of the `passes`, of [`TestBackend::ONE_OF`] as many
+/// photons if radii do not depend on their number.
+pub fn means_per_pass<T: TestBackend>(
+    scene: &Scene,
+    settings: &Settings,
+    (passes, size): (u32, u32),
+    means: impl Fn(&[[f32; 3]]) -> Vec<f64>,
+) -> Vec<Vec<f64>> {
+    let mut settings = settings.clone();
+    if matches!(settings.estimator, Estimator::Radius { radius: Some(_) }) {
+        settings.photons = settings.photons.div_ceil(T::ONE_OF);
+    }
+    let mut renderer = renderer::<T>(scene, &settings, size);
+    let (mut before, mut found) = (Vec::new(), Vec::new());
+    for pass in 0..passes {
+        renderer.pass(pass, &mut ()).unwrap();
+        // The film has the mean over the passes.
+        let sums = means(&renderer.film().unwrap().beauty()).into_iter().map(|mean| mean * f64::from(pass + 1));
+        for (index, sum) in sums.enumerate() {
+            if pass == 0 {
+                before.push(0.0);
+                found.push(Vec::new());
+            }
+            found[index].push(sum - std::mem::replace(&mut before[index], sum));
+        }
+    }
+    found
 }
 
 /// Adds a camera that looks perpendicularly at a small square of half side `half` around `point`, from distance

@@ -7,7 +7,7 @@ use photon_scene::{
     LightDesc, MaterialDesc, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc, VertexAttributes,
 };
 
-use crate::harness::{TestBackend, direct_settings, look_at_point, per_pass};
+use crate::harness::{InFull, TestBackend, direct_settings, look_at_point, per_pass};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
 /// A square of half side 1 at y = 0, seen along its normal.
@@ -22,7 +22,7 @@ fn square(attributes: VertexAttributes, textures: TexturesDesc, mut builder: Sce
 
 fn shown<T: TestBackend>(scene: &Scene, direct: Direct) -> (f64, f64) {
     let settings = Settings { photons: 10_000, ..direct_settings(direct, 0.1) };
-    let values = per_pass::<T>(scene, &settings, 24, 8);
+    let values = per_pass::<InFull<T>>(scene, &settings, 24, 8);
     (moments(&values).0, standard_error(&values))
 }
 

@@ -13,7 +13,7 @@ use crate::alpha::{FAINT, look_down, mean_red, sheet, sun};
 use crate::clearcoat::columns;
 use crate::closed_room;
 use crate::gloss_caustics::through_a_pane;
-use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass};
+use crate::harness::{InFull, TestBackend, direct_settings, film, look_at_point, per_pass};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 use crate::stripes::{self, VIEW};
 
@@ -71,7 +71,7 @@ pub fn sunlit_surfaces<T: TestBackend>() {
         [(&open, Direct::Nee, 1.0), (&open, Direct::Photons, 1.0), (&make(true), Direct::Nee, through_a_pane(i))]
     {
         let settings = Settings { area: Area::Surface, ..direct_settings(direct, 0.08) };
-        let found = columns::<T>(scene, &settings, 64);
+        let found = columns::<InFull<T>>(scene, &settings, 64);
         for (column, (values, share)) in found.iter().zip(shares).enumerate() {
             let (mean, truth, error) = (moments(values).0, 0.8 * share * i * factor, standard_error(values));
             // The metal's reflection of this width adds less than the first; by photons, what remains of the edges of the
@@ -126,7 +126,7 @@ pub fn light_on_a_floor<T: TestBackend>() {
         let truth = share * through_a_pane(1.0);
         for direct in [Direct::Nee, Direct::Photons] {
             let settings = Settings { photons: 51_200, ..direct_settings(direct, 0.2) };
-            let values = per_pass::<T>(&scene, &settings, 16, 4);
+            let values = per_pass::<InFull<T>>(&scene, &settings, 16, 4);
             let (mean, error) = (moments(&values).0, standard_error(&values));
             assert_agrees(&format!("{direct:?}, {share}"), mean, truth, error, 1e-6);
             assert!(!agrees(mean, 0.9 * truth, error, 1e-6), "{share}: the error {error} is too large");

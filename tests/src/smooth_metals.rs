@@ -9,7 +9,7 @@ use photon_scene::{
     TextureRef, TexturesDesc, VertexAttributes, shapes,
 };
 
-use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, trace};
+use crate::harness::{InFull, TestBackend, direct_settings, film, look_at_point, per_pass, trace};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 use crate::{closed_room, rough_glass_photons};
 
@@ -97,7 +97,7 @@ pub fn v1_light_reflected_around_the_threshold<T: TestBackend>() {
         look_at_point(&mut builder, [1.0, 0.6, 0.0], [-1.0, 0.0, 0.0], 0.2, 0.02);
         let mut settings = direct_settings(Direct::None, 0.2);
         settings.photons = 60_000;
-        let values = per_pass::<T>(&builder.build().unwrap(), &settings, 32, 2);
+        let values = per_pass::<InFull<T>>(&builder.build().unwrap(), &settings, 32, 2);
         // 1.4 away from the image of the light, and 1.5 above it. The mean over the disc of radius
         // .2 is larger by the Laplacian, .48 E, times r²/12: by 1.6e-3.
         let truth = 1.4 / (1.4_f64 * 1.4 + 1.5 * 1.5).powf(1.5) / PI;

@@ -3,13 +3,13 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use photon_core::{Direct, Film, Filter, Render, Settings, TexelFormat, Texture, Wrap};
+use photon_core::{Direct, Film, Filter, Settings, TexelFormat, Texture, Wrap};
 use photon_scene::{
     CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, TextureDesc, TextureRef, TexturesDesc,
     VertexAttributes,
 };
 
-use crate::harness::{TestBackend, direct_settings, film, look_at_point, per_pass, renderer, trace, watts};
+use crate::harness::{TestBackend, direct_settings, film, look_at_point, means_per_pass, per_pass, trace, watts};
 use crate::stats::{assert_agrees, moments, standard_error};
 
 /// Texels of the floor, row by row.
@@ -124,18 +124,11 @@ pub fn v9_16384_squared<T: TestBackend>() {
 
 /// Mean over 16 pixels of each pass.
 fn per_pass_rgb<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32) -> Vec<[f64; 3]> {
-    let mut renderer = renderer::<T>(scene, settings, 4);
-    let mut before = [0.0; 3];
-    (0..passes)
-        .map(|pass| {
-            renderer.pass(pass, &mut ()).unwrap();
-            let beauty = renderer.film().unwrap().beauty();
-            let mean = |c: usize| beauty.iter().map(|pixel| f64::from(pixel[c])).sum::<f64>() / beauty.len() as f64;
-            let sums = [0, 1, 2].map(|c| mean(c) * f64::from(pass + 1));
-            let last = std::mem::replace(&mut before, sums);
-            std::array::from_fn(|c| sums[c] - last[c])
-        })
-        .collect()
+    let mean = |beauty: &[[f32; 3]], c: usize| {
+        beauty.iter().map(|pixel| f64::from(pixel[c])).sum::<f64>() / beauty.len() as f64
+    };
+    let found = means_per_pass::<T>(scene, settings, (passes, 4), |beauty| (0..3).map(|c| mean(beauty, c)).collect());
+    (0..passes as usize).map(|pass| [0, 1, 2].map(|c| found[c][pass])).collect()
 }
 
 /// The same floor by photons: its colour is that at the visible point, not where photons land.

@@ -125,6 +125,45 @@ fn batches_are_not_used_where_surfaces_have_alpha() {
     assert_eq!(calls[0].load(Ordering::Relaxed), 0);
 }
 
+/// Gives up on rays that do not start at `from`.
+struct GivesUp {
+    accel: Accel,
+    from: Vec3,
+}
+
+impl RayCaster for GivesUp {
+    fn nearest(&self, ray: &Ray) -> Option<Hit> {
+        self.accel.nearest(ray)
+    }
+    fn nearest_where(&self, ray: &Ray, keep: &dyn Fn(&Hit) -> bool) -> Result<Option<Hit>, SkipLimit> {
+        if ray.origin == self.from { self.accel.nearest_where(ray, keep) } else { Err(SkipLimit) }
+    }
+}
+
+/// Camera paths, final-gather rays and photon paths that end at the limit of surfaces that are not there are counted.
+#[test]
+fn paths_that_a_caster_gives_up_are_counted() {
+    let mut scene = builtin("cornell").unwrap();
+    let desc = &mut scene.materials_mut()[0];
+    (desc.alpha_mode, desc.alpha) = (photon_scene::AlphaMode::Blend, 0.5);
+    let scene = scene.build().unwrap();
+    let view = View { camera: scene.camera(None, 8, 8).unwrap(), width: 8, height: 8 };
+    let estimator = Estimator::Radius { radius: Some(0.1) };
+    let settings =
+        Settings { photons: 100, estimator, indirect: Indirect::Gather, gather_rays: 4, ..Settings::default() };
+    for from in [Vec3::from(view.camera.origin), Vec3::INFINITY] {
+        let make = move |view: &SceneView<'_>| -> Result<Box<dyn RayCaster>> {
+            Ok(Box::new(GivesUp { accel: Accel::build(view.positions, view.triangles).unwrap(), from }))
+        };
+        let cpu = Cpu::with_threads(1).unwrap().with_caster(make);
+        let mut pipeline = Pipeline::new(cpu, &scene.view(), view, settings.clone()).unwrap();
+        let photon_core::PassEnd::Done(report) = pipeline.pass(0, &mut ()).unwrap() else { unreachable!() };
+        let expected = if from.is_finite() { 4 * report.queries } else { 64 };
+        assert!(expected > 0 && report.truncated_camera_paths == expected, "{report:?}");
+        assert_eq!((report.tally.truncated, report.tally.balances()), (report.tally.emitted, true));
+    }
+}
+
 /// Counts rays, and knows which triangles are near or does not.
 struct Near {
     accel: Accel,

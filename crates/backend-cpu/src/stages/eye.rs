@@ -8,7 +8,7 @@ use photon_core::memory::{self, OutOfMemory};
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,
-    QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SurfaceInteraction, Vertex, View, Wavelength,
+    QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SkipLimit, SurfaceInteraction, Vertex, View, Wavelength,
     anisotropy, gloss_caustics, most_total_reflections, octahedral, sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
@@ -221,7 +221,13 @@ impl Eye<'_> {
         let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
         let found = match known {
             Some(hit) => hit.map(|hit| (self.scene.interaction(&path.ray, &hit), hit)),
-            None => self.scene.hit_with::<ALPHA>(&path.ray, layer).ok()?,
+            None => match self.scene.hit_with::<ALPHA>(&path.ray, layer) {
+                Ok(found) => found,
+                Err(SkipLimit) => {
+                    self.truncated.fetch_add(1, Ordering::Relaxed);
+                    return None;
+                }
+            },
         };
         let Some((mut surface, hit)) = found else {
             let is_hidden = self.hides_background && path.surfaces == 0;

@@ -7,7 +7,7 @@ use photon_core::memory::OutOfMemory;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
     Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Layer, Layers, Lobe, MapKind, Maps,
-    MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, Vertex, Wavelength, glossy,
+    MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, SkipLimit, Vertex, Wavelength, glossy,
     most_total_reflections, octahedral, offset, sampling, shading_normal,
 };
 
@@ -200,8 +200,10 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
     let mut wavelength = Wavelength::NONE;
     let mut total = 0;
     for bounce in 1..=max_bounces {
-        let Ok(Some((mut surface, hit))) = scene.hit_with::<ALPHA>(&ray, || sampler.words(block + bounce)[3]) else {
-            return Found::default();
+        let (mut surface, hit) = match scene.hit_with::<ALPHA>(&ray, || sampler.words(block + bounce)[3]) {
+            Ok(Some(found)) => found,
+            Ok(None) => return Found::default(),
+            Err(SkipLimit) => break,
         };
         let mut material = &scene.materials[surface.material as usize];
         let evaluated = if SHADED { Some(scene.shade(&surface, &hit)) } else { None };

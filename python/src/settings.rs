@@ -18,6 +18,11 @@ pub(crate) fn settings_json(json: &str, preset: Option<&str>, pixels: u64) -> Py
     let given: serde_json::Map<String, serde_json::Value> =
         serde_json::from_str(json).map_err(|why| Failure::input(format!("settings: {why}")))?;
     if let Some(all) = all.as_object_mut() {
+        for (name, value) in &given {
+            // One by one, since an error does not name the field.
+            let alone = read(&serde_json::json!({ name.as_str(): value }).to_string());
+            alone.map_err(|why| Failure::input(named(name, value, &why)))?;
+        }
         all.extend(given);
     }
     let settings = parse(&all.to_string())?;
@@ -33,10 +38,19 @@ pub(crate) fn preset_passes(name: &str) -> PyResult<u32> {
 
 /// The settings of JSON text.
 pub(crate) fn parse(json: &str) -> Result<Settings, Failure> {
-    serde_json::from_str(json).map_err(|why| {
-        // The position is that of text which the user has not seen.
-        let text = why.to_string();
-        let text = text.split(" at line ").next().unwrap_or_default();
-        Failure::input(format!("settings: {text}"))
-    })
+    read(json).map_err(|why| Failure::input(format!("settings: {why}")))
+}
+
+/// The same; the error is a text without the position, since it is that of text which the user has not seen.
+fn read(json: &str) -> Result<Settings, String> {
+    serde_json::from_str(json).map_err(|why| why.to_string().split(" at line ").next().unwrap_or_default().to_owned())
+}
+
+/// An error of a field with its name, unless it says more than what is expected.
+fn named(name: &str, value: &serde_json::Value, why: &str) -> String {
+    match why.split_once(", expected ") {
+        Some((_, "f32" | "f64")) => format!("{name} is {value}, but must be a number"),
+        Some((found, expected)) if found.starts_with("invalid") => format!("{name} is {value}, but must be {expected}"),
+        _ => format!("settings: {why}"),
+    }
 }

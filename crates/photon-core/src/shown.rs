@@ -32,6 +32,11 @@ pub fn shown(text: &str) -> Cow<'_, str> {
     Cow::Owned(beginning)
 }
 
+/// A number for a message, with an exponent where it would have many digits.
+pub(crate) fn number(number: f64) -> String {
+    if number == 0.0 || (1e-5..1e16).contains(&number.abs()) { number.to_string() } else { format!("{number:e}") }
+}
+
 /// The last characters that fit into `room`.
 fn ending(text: &str, mut room: usize) -> String {
     let fits = |&character: &char| {

@@ -10,6 +10,7 @@ mod serialized;
 
 use crate::error::{Error, Result};
 use crate::settings::kernel::Kernel;
+use crate::shown::number;
 
 /// How photons are arranged for searching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -59,10 +60,12 @@ impl Estimator {
 // Exhaustive: written as a literal with `..Paper::default()`.
 pub struct Paper {
     /// Maximum number of photons; the radius shrinks to the farthest of them. ≥ 1.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub max: u32,
     /// Radius of the sphere S(P, r), user space, > 0; `None`: derived, as for the other estimators.
     pub radius: Option<f64>,
     /// With fewer photons than this the estimate is 0.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub threshold: u32,
     /// The scale factor `factor`.
     pub factor: f32,
@@ -183,6 +186,7 @@ pub enum CausticPhotons {
 // Exhaustive: written as a literal with `..Settings::default()`, which stays valid when fields are added.
 pub struct Settings {
     /// Paths emitted per pass, ≥ 1.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub photons: u32,
     /// How radiance is estimated from photons.
     pub estimator: Estimator,
@@ -213,8 +217,10 @@ pub struct Settings {
     /// Maximum path length, counted in surfaces met, in `[1, 65536]`; for photon paths and camera paths. Light beyond it, and
     /// after too many total reflections ([`crate::most_total_reflections`]), is missing, and such paths are counted
     /// ([`crate::FilmTally`]); the default lets 40 panes of clear glass, one behind another, pass all of it.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub max_bounces: u32,
     /// Key of all random numbers.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub seed: u64,
     /// How fast radii shrink from pass to pass, in `(0, 1]`; 1: they do not shrink.
     pub alpha: f64,
@@ -223,13 +229,16 @@ pub struct Settings {
     /// Which random numbers are used.
     pub random: RandomKind,
     /// Shadow rays per query and pass, in `[1, 4096]`.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub shadow_rays: u32,
     /// Final-gather rays per query and pass, in `[1, 4096]`.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub gather_rays: u32,
     /// `Some(n)`, n ≥ 1: irradiance is precomputed once per pass at the position of every n-th photon, and
     /// final-gather rays use the value of the nearest such point (Christensen 1999). Smaller is finer;
     /// these estimates weight all photons within the radius equally. `None`: each final-gather ray
     /// estimates from the maps. Only with [`Indirect::Gather`], and not with [`Settings::errors`].
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::optional_count"))]
     pub irradiance_every: Option<u32>,
     /// A photon counts if the cosine between its surface's normal and the query's is at least this, in
     /// `[-1, 1]`.
@@ -241,10 +250,12 @@ pub struct Settings {
     /// [`Estimator::Radius`].
     pub max_plane_distance: f32,
     /// Maximum number of photons per map; `None`: no limit.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::optional_count"))]
     pub photon_capacity: Option<u64>,
     /// Maximum number of bytes that backend and pipeline allocate for the scene, the picture and the
     /// photons; `None`: no limit. If necessary, passes have fewer photons than [`Settings::photons`], which
     /// [`crate::Facts`] reports: render more passes then.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::optional_count"))]
     pub memory: Option<u64>,
     /// Whether the film stores the error statistics of each pixel: [`crate::ErrorPixel`]. Only with
     /// [`Estimator::Radius`]. The picture is the same.
@@ -319,13 +330,13 @@ impl Settings {
             if good { Ok(()) } else { Err(Error::InvalidSetting { name, value, hint }) }
         };
         let length = |name, radius: Option<f64>| match radius {
-            Some(r) => ensure(r > 0.0 && r.is_finite(), name, r.to_string(), "must be above 0 and finite"),
+            Some(r) => ensure(r > 0.0 && r.is_finite(), name, number(r), "must be above 0 and finite"),
             None => Ok(()),
         };
         ensure(self.photons > 0, "photons", self.photons.to_string(), "at least 1 is needed")?;
         let factor = self.radius_factor;
         let hint = "must lie between 1e-6 and 1e6";
-        ensure((1e-6..=1e6).contains(&factor), "radius-factor", factor.to_string(), hint)?;
+        ensure((1e-6..=1e6).contains(&factor), "radius-factor", number(factor), hint)?;
         let aimed = self.caustic_photons != CausticPhotons::Aimed(0);
         ensure(aimed, "caustic-photons", "0".into(), "at least 1 is needed; to leave caustics out, turn them off")?;
         if let Some(roughness) = self.caustic_roughness {
@@ -361,13 +372,13 @@ impl Settings {
         }
         if let Kernel::Cone { slope } = self.kernel {
             let hint = "must lie between 1 and 1e6";
-            ensure((1.0..=1e6).contains(&slope), "slope of the cone", slope.to_string(), hint)?;
+            ensure((1.0..=1e6).contains(&slope), "slope of the cone", number(slope.into()), hint)?;
         }
         // Beyond these numbers, which nobody needs in one pass, a pass would not end.
         let count = |name, value: u32, most, hint| ensure((1..=most).contains(&value), name, value.to_string(), hint);
         count("max-bounces", self.max_bounces, 65_536, "must lie between 1 and 65536")?;
         let alpha = self.alpha;
-        ensure(alpha > 0.0 && alpha <= 1.0, "alpha", alpha.to_string(), "must be above 0 and at most 1")?;
+        ensure(alpha > 0.0 && alpha <= 1.0, "alpha", number(alpha), "must be above 0 and at most 1")?;
         count("shadow-rays", self.shadow_rays, 4096, "must lie between 1 and 4096; for more rays, render more passes")?;
         count("gather-rays", self.gather_rays, 4096, "must lie between 1 and 4096; for more rays, render more passes")?;
         if self.bandwidth == Bandwidth::PerPixel {

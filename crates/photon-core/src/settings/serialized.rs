@@ -29,6 +29,53 @@ impl<T: FromStr<Err = crate::Error>> Visitor<'_> for Text<T> {
     }
 }
 
+/// A count, which may be written as a float without a fraction, such as 1e5.
+struct Count<T>(T);
+
+impl<'de, T: TryFrom<u64>> Deserialize<'de> for Count<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Whole<T>(PhantomData<T>);
+
+        impl<T: TryFrom<u64>> Visitor<'_> for Whole<T> {
+            type Value = Count<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a whole number from 0 to {}", u64::MAX >> (64 - 8 * size_of::<T>()))
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, count: u64) -> Result<Self::Value, E> {
+                T::try_from(count).map(Count).map_err(|_| E::invalid_value(Unexpected::Unsigned(count), &self))
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, count: f64) -> Result<Self::Value, E> {
+                match whole(count) {
+                    Some(count) => self.visit_u64(count),
+                    None => Err(E::invalid_value(Unexpected::Float(count), &self)),
+                }
+            }
+        }
+
+        deserializer.deserialize_any(Whole(PhantomData))
+    }
+}
+
+/// A float that is a whole number, at least 0 and small enough for each such number to be a float.
+fn whole(count: f64) -> Option<u64> {
+    (count.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&count)).then_some(count as u64)
+}
+
+/// A field that is a count.
+pub(super) fn count<'de, T: TryFrom<u64>, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    Count::deserialize(deserializer).map(|count| count.0)
+}
+
+/// A field that is a count or nothing.
+pub(super) fn optional_count<'de, T: TryFrom<u64>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    Ok(Option::<Count<T>>::deserialize(deserializer)?.map(|count| count.0))
+}
+
 /// Implements both traits by `Display` and `FromStr`.
 macro_rules! by_text {
     ($($type:ty),+) => {$(
@@ -65,7 +112,7 @@ impl<'de> Deserialize<'de> for CausticPhotons {
             type Value = CausticPhotons;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("for caustic photons \"auto\", \"shared\" or a number of paths from 1 to 4294967295")
+                f.write_str("\"auto\", \"shared\" or a number of caustic paths from 1 to 4294967295")
             }
 
             fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Self::Value, E> {
@@ -75,6 +122,13 @@ impl<'de> Deserialize<'de> for CausticPhotons {
             fn visit_u64<E: serde::de::Error>(self, asked: u64) -> Result<Self::Value, E> {
                 let paths = u32::try_from(asked).ok().filter(|paths| *paths > 0);
                 paths.map(CausticPhotons::Aimed).ok_or_else(|| E::invalid_value(Unexpected::Unsigned(asked), &self))
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, asked: f64) -> Result<Self::Value, E> {
+                match whole(asked) {
+                    Some(asked) => self.visit_u64(asked),
+                    None => Err(E::invalid_value(Unexpected::Float(asked), &self)),
+                }
             }
         }
 
@@ -100,6 +154,7 @@ struct Radius {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Knn {
+    #[serde(deserialize_with = "count")]
     k: u32,
     #[serde(default)]
     max_radius: Option<f64>,
@@ -184,13 +239,34 @@ mod tests {
     }
 
     #[test]
+    fn counts_may_be_floats_without_a_fraction() {
+        let read = |text| serde_json::from_str::<Settings>(text).unwrap();
+        let settings = Settings {
+            photons: 100_000,
+            caustic_photons: CausticPhotons::Aimed(2000),
+            estimator: Estimator::Knn { k: 60, max_radius: None },
+            memory: Some(1 << 31),
+            irradiance_every: Some(4),
+            seed: 7,
+            ..Settings::default()
+        };
+        let text = r#"{"photons": 1e5, "caustic_photons": 2e3, "estimator": {"knn": {"k": 60.0}},
+                       "memory": 2147483648.0, "irradiance_every": 4.0, "seed": 7.0, "photon_capacity": null}"#;
+        assert_eq!(read(text), settings);
+    }
+
+    #[test]
     fn errors_name_the_culprit_and_what_is_known() {
         for (text, words) in [
             (r#"{"photon": 3}"#, ["unknown field `photon`", "`photons`"]),
-            (r#"{"photons": -3}"#, ["-3", "u32"]),
+            (r#"{"photons": -3}"#, ["-3", "a whole number from 0 to 4294967295"]),
+            (r#"{"photons": 1.5}"#, ["1.5", "whole"]),
+            (r#"{"photons": 5e9}"#, ["5000000000", "4294967295"]),
+            (r#"{"seed": 1e17}"#, ["100000000000000000", "18446744073709551615"]),
+            (r#"{"caustic_photons": 0.5}"#, ["0.5", "number of caustic paths"]),
             (r#"{"index": "grid"}"#, ["index is \"grid\"", "morton"]),
             (r#"{"kernel": "cone:0.5"}"#, ["cone:0.5", "at least 1"]),
-            (r#"{"caustic_photons": 0}"#, ["caustic", "number of paths"]),
+            (r#"{"caustic_photons": 0}"#, ["0", "number of caustic paths"]),
             (r#"{"caustic_photons": "many"}"#, ["many", "shared"]),
             (r#"{"estimator": {"grid": {}}}"#, ["grid", "knn"]),
             (r#"{"estimator": {"knn": {}}}"#, ["missing field", "k"]),

@@ -232,12 +232,31 @@ def test_the_memory_of_a_render_limits_reading_its_scene(tmp_path):
 
 
 def test_counts_may_be_floats_without_a_fraction():
-    job = dict(photons=1000, device="cpu")
-    whole = pm.render("cornell", size=(8, 8), passes=1, **job)
-    np.testing.assert_array_equal(pm.render("cornell", size=(8.0, 8), passes=1.0, **job).beauty, whole.beauty)
+    job = dict(size=(8, 8), passes=1, photons=1000, device="cpu")
+    np.testing.assert_array_equal(pm.render("cornell", **{**job, "passes": 1.0, "photons": 1e3}).beauty, pm.render("cornell", **job).beauty)
+    assert pm.Settings(photons=1e5, caustic_photons=2e3, memory=2e9) == pm.Settings(
+        photons=100_000, caustic_photons=2000, memory=2_000_000_000
+    )
+    for fields, words in [
+        ({"photons": 1.5}, "photons is 1.5, but must be a whole number"),
+        ({"photons": -1}, "photons is -1, but must be a whole number"),
+        ({"shadow_rays": 1e300}, r"shadow_rays is 1e\+?300, but must be a whole number"),
+        ({"alpha": "steep"}, 'alpha is "steep", but must be a number'),
+        ({"errors": 1}, "errors is 1, but must be a boolean"),
+    ]:
+        with pytest.raises(pm.InputError, match=words):
+            pm.Settings(**fields)
     for count in ["passes", "threads"]:
         with pytest.raises(pm.InputError, match=f"{count} is 1.5, but must be a whole number"):
-            pm.render("cornell", **{**job, "size": 8, "passes": 1, count: 1.5})
+            pm.render("cornell", **{**job, count: 1.5})
+
+
+def test_a_pass_keeps_to_the_time():
+    begun = time.monotonic()
+    with pytest.warns(RuntimeWarning, match="shadow rays instead of 4096"):
+        film = pm.render("cornell", size=64, time=0.4, shadow_rays=4096, photons=1000, device="cpu", threads=1)
+    # Each pass would take many seconds.
+    assert film.passes >= 1 and time.monotonic() - begun < 4
 
 
 @pytest.mark.parametrize("wrong", [0, -1, 1.5, float("nan"), True, "1 GB", 2**64])

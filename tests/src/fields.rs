@@ -144,7 +144,7 @@ pub fn films_of<B: TransportBackend>(
     builder.quad("floor", [[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]], white);
     let scene = builder.build().unwrap();
     let (count, radius) = (trial.side * trial.side, trial.radius());
-    let mut there = on.film(&scene.view(), trial.side, trial.side)?;
+    let mut there = on.film(scene.units(), trial.side, trial.side)?;
     on.keep_errors(&mut there)?;
     let queries: Vec<Query> = (0..count)
         .map(|pixel| {

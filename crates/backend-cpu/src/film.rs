@@ -3,7 +3,7 @@
 use photon_core::memory::OutOfMemory;
 use photon_core::{
     Display, DisplayImage, ErrorMoments, ErrorPixel, Estimate, Film, FilmBackend, FilmPixel, Layer, MapKind, Query,
-    Result, SceneView, memory,
+    Result, Units, memory,
 };
 use rayon::prelude::*;
 
@@ -70,9 +70,9 @@ pub(crate) fn deposit(pixel: &mut FilmPixel, layer: Layer, weight: [f32; 3], val
 impl FilmBackend for Cpu {
     type Film = CpuFilm;
 
-    fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<CpuFilm> {
-        let film = Film::new(width, height, scene.units)?;
-        let pending = Film::new(width, height, scene.units)?.pixels;
+    fn film(&mut self, units: Units, width: u32, height: u32) -> Result<CpuFilm> {
+        let film = Film::new(width, height, units)?;
+        let pending = Film::new(width, height, units)?.pixels;
         let film = CpuFilm { film, pending, pending_errors: Vec::new() };
         film.note(self);
         Ok(film)

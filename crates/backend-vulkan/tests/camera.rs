@@ -44,7 +44,7 @@ fn look_with<B: TransportBackend>(
     required: Requirements,
 ) -> (Vec<Query>, Film) {
     let (scene_view, view, settings) = (scene.view(), view(scene, width, height), settings());
-    let mut film = on.film(&scene_view, view.width, view.height).unwrap();
+    let mut film = on.film(scene_view.units, view.width, view.height).unwrap();
     let prepared = on.prepare(&scene_view, &required).unwrap();
     let mut stages = on.stages(&required, &settings).unwrap();
     let mut queries = on.alloc("queries", u64::from(view.width * view.height) * 4).unwrap();
@@ -150,7 +150,7 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
     );
     let (scene_view, view) = (scene.view(), view(&scene, SIZE, SIZE));
     let required = Requirements::of(&scene_view, &settings());
-    let mut film = gpu.film(&scene_view, SIZE, SIZE).unwrap();
+    let mut film = gpu.film(scene_view.units, SIZE, SIZE).unwrap();
     let prepared = gpu.prepare(&scene_view, &required).unwrap();
     let mut stages = gpu.stages(&required, &settings()).unwrap();
     let mut queries = gpu.alloc::<Query>("queries", 100).unwrap();
@@ -188,7 +188,7 @@ fn light<B: TransportBackend, const N: usize>(
     let queries = on.upload("queries", queries).unwrap();
     let stage = stages.direct.as_mut().unwrap();
     asked.map(|(rays, index)| {
-        let mut film = on.film(&scene_view, SIZE, SIZE).unwrap();
+        let mut film = on.film(scene_view.units, SIZE, SIZE).unwrap();
         stage.light(on, &prepared, pass(index), &queries, rays, &mut film).unwrap();
         on.end_pass(&mut film).unwrap();
         on.read_film(&film).unwrap()
@@ -361,7 +361,7 @@ fn gather<B: TransportBackend, const N: usize>(
             irradiance: None,
             paths: PerMap::splat(u64::from(PATHS)),
         };
-        let mut film = on.film(&scene_view, SIZE, SIZE).unwrap();
+        let mut film = on.film(scene_view.units, SIZE, SIZE).unwrap();
         stage.gather(on, &prepared, &maps, pass(2), &queries, rays, &mut film).unwrap();
         on.end_pass(&mut film).unwrap();
         on.read_film(&film).unwrap()

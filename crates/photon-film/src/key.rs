@@ -44,7 +44,12 @@ impl FilmKey {
             width: view.width,
             height: view.height,
             camera: camera::record(&view.camera),
-            settings: entries(settings),
+            settings: entries(&Settings {
+                // The renderer may have fewer.
+                shadow_rays: facts.shadow_rays,
+                gather_rays: facts.gather_rays,
+                ..settings.clone()
+            }),
             photons_per_pass: facts.photons,
             aimed_per_pass: facts.aimed,
             units: [x, y, z, scale, power].map(|number| format!("{:016x}", number.to_bits())),

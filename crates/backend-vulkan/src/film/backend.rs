@@ -2,7 +2,7 @@
 
 use photon_core::{
     Display, DisplayImage, ErrorMoments, Estimate, Film, FilmBackend, Layer, MapKind, Query, RadiusUpdate, Result,
-    SceneView,
+    Units,
 };
 
 use super::VulkanFilm;
@@ -12,8 +12,8 @@ use crate::vulkan::Vulkan;
 impl FilmBackend for Vulkan {
     type Film = VulkanFilm;
 
-    fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<VulkanFilm> {
-        VulkanFilm::new(self, width, height, scene.units)
+    fn film(&mut self, units: Units, width: u32, height: u32) -> Result<VulkanFilm> {
+        VulkanFilm::new(self, width, height, units)
     }
 
     fn accumulate(

@@ -7,8 +7,8 @@ use crate::film::display::{Display, DisplayImage};
 use crate::film::{Film, Layer};
 use crate::radius::bandwidth::RadiusUpdate;
 use crate::requirements::map_kind::MapKind;
-use crate::scene::SceneView;
 use crate::scene::layout::{ErrorMoments, Estimate, Query};
+use crate::scene::units::Units;
 
 /// A backend with films. Not object-safe, like [`Backend`].
 ///
@@ -18,11 +18,11 @@ pub trait FilmBackend: Backend {
     /// A film, in the memory of the backend.
     type Film: Send;
 
-    /// Allocates an empty film.
+    /// Allocates an empty film of a scene with these units.
     ///
     /// # Errors
     /// [`crate::Error::OutOfMemory`], [`crate::Error::InvalidSetting`] for a size without pixels.
-    fn film(&mut self, scene: &SceneView<'_>, width: u32, height: u32) -> Result<Self::Film>;
+    fn film(&mut self, units: Units, width: u32, height: u32) -> Result<Self::Film>;
 
     /// Adds `query.throughput × estimate.irradiance(paths)` to `layer` of each query's pixel.
     ///

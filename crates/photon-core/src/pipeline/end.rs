@@ -56,23 +56,25 @@ impl<B: TransportBackend> Pipeline<B> {
         self.check_same(scene)?;
         self.recover()?;
         (self.state, self.read) = (State::RestartFailed, None);
-        self.film = self.on.film(scene, self.view.width, self.view.height)?;
+        self.film = self.on.film(self.units, self.view.width, self.view.height)?;
         if self.settings.errors {
             self.on.keep_errors(&mut self.film)?;
         }
         self.settings.seed = seed;
+        [self.settings.shadow_rays, self.settings.gather_rays] = self.asked_rays;
+        self.settings.photons = self.asked;
         let radius = radii::given(&self.settings, &self.units);
-        self.maps.iter_mut().for_each(|slot| slot.radius = radius);
+        self.maps.iter_mut().for_each(|slot| (slot.radius, slot.derived) = (radius, None));
         self.schedule = Schedule::new(self.settings.alpha);
         (self.passes, self.contains, self.cut, self.tally) = (0, PassSet::default(), false, FilmTally::default());
         self.points = None;
         self.bandwidth = Self::own_radii(&self.settings);
         if let Some((plan, batch)) = self.cap {
-            (self.settings.photons, self.batch) = (self.asked, batch);
+            self.batch = batch;
             self.fit(plan)?;
         }
         if self.estimates.is_some() && radii::need_pilot(&self.settings) {
-            self.pilot(scene)?;
+            self.pilot()?;
         }
         let before = std::mem::replace(&mut self.setup, self.on.timings()?);
         StageTimings::OF_SCENE.into_iter().for_each(|stage| self.setup.add(stage, before.get(stage)));

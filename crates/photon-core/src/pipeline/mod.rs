@@ -6,6 +6,7 @@ pub(crate) mod parallel_blocks;
 pub(crate) mod render;
 
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 use crate::backend::memory::MemoryPlan;
 use crate::backend::observer::{Event, Observer, PassReport};
@@ -47,8 +48,9 @@ pub struct Pipeline<B: TransportBackend> {
     required: Requirements,
     weights: Weights,
     settings: Settings,
-    /// Paths per pass in the settings, even if fewer fit into memory.
+    /// Paths per pass in the settings, even if fewer fit into memory or time; shadow rays and final-gather rays likewise.
     asked: u32,
+    asked_rays: [u32; 2],
     units: Units,
     view: View,
     film: B::Film,
@@ -90,12 +92,14 @@ mod first_pass;
 mod fit;
 pub(crate) mod irradiance;
 mod look;
+mod lower;
 mod own_radii;
 mod photon_format;
 mod photons;
 mod pilot;
 mod read;
 mod slot;
+mod small_pass;
 mod with_settings;
 
 use aimed::Aiming;
@@ -206,7 +210,7 @@ impl<B: TransportBackend> Pipeline<B> {
         required.check_format(PhotonFormat::of(scene, &settings))?;
         let required =
             Requirements { photon_format: required.photon_format.max(photon_format::least(&stages)), ..required };
-        let mut film = on.film(scene, view.width, view.height)?;
+        let mut film = on.film(scene.units, view.width, view.height)?;
         if settings.errors {
             on.keep_errors(&mut film)?;
         }
@@ -268,6 +272,7 @@ impl<B: TransportBackend> Pipeline<B> {
             required,
             weights,
             asked: settings.photons,
+            asked_rays: [settings.shadow_rays, settings.gather_rays],
             settings,
             view,
             film,
@@ -293,7 +298,7 @@ impl<B: TransportBackend> Pipeline<B> {
             None => pipeline.allocate_maps(2.0)?,
         }
         if any_map && radii::need_pilot(&pipeline.settings) {
-            pipeline.pilot(scene)?;
+            pipeline.pilot()?;
         }
         pipeline.setup = pipeline.on.timings()?;
         Ok(pipeline)
@@ -378,7 +383,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         if let Some(index) = radii.iter().position(|radius| radius.is_nan() || *radius <= 0.0) {
             return Err(invalid(index, format!("{} must be above 0", radii[index])));
         }
-        self.maps.iter_mut().zip(radii).for_each(|(slot, &radius)| slot.radius = radius);
+        self.maps.iter_mut().zip(radii).for_each(|(slot, &radius)| (slot.radius, slot.derived) = (radius, None));
         Ok(())
     }
 
@@ -405,6 +410,10 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         radii::need_pilot(&self.settings) && self.bandwidth.is_none()
     }
 
+    fn lower(&mut self, time: Duration) -> Result<Option<String>> {
+        self.lowered(time)
+    }
+
     fn facts(&self) -> Facts {
         Facts {
             backend: self.on.name(),
@@ -413,6 +422,8 @@ impl<B: TransportBackend> Render for Pipeline<B> {
             setup: self.setup,
             photons: self.settings.photons,
             aimed: self.aimed_paths(self.settings.photons),
+            shadow_rays: self.settings.shadow_rays,
+            gather_rays: self.settings.gather_rays,
             memory: self.on.memory(&self.scene),
         }
     }

@@ -9,13 +9,12 @@ use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::footprint::Footprint;
 use crate::radius::radii;
-use crate::scene::SceneView;
 use crate::scene::layout::Query;
 use crate::settings::Estimator;
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Traces a pilot pass to derive radii from the density of its photons, and from the footprints of pixels.
-    pub(super) fn pilot(&mut self, scene: &SceneView<'_>) -> Result<()> {
+    pub(super) fn pilot(&mut self) -> Result<()> {
         let paths = self.settings.photons.min(PILOT_PATHS);
         let sent = self.emit_and_trace(PILOT_PASS, paths, &mut ())?;
         let all = self.settings.photons;
@@ -35,17 +34,17 @@ impl<B: TransportBackend> Pipeline<B> {
             let share = f64::from(traced) / f64::from(wanted_paths);
             let asked = ((f64::from(wanted) * share) as u32).max(8);
             let typical = self.stages.map.estimator.neighbour_radius(&mut self.on, &built, asked, cosine)?;
-            let mut radius = radii::from_pilot(typical, asked, traced, wanted, wanted_paths);
+            let radius = radii::from_pilot(typical, asked, traced, wanted, wanted_paths);
             // The estimator of Lin and Wang remains that of the paper; reflections show their light in other places.
             let bounded = matches!(self.settings.estimator, Estimator::Radius { .. })
                 && is_shown(&self.settings, kind)
                 && !reflected
                 && f64::from(radius) < footprint.most();
-            if bounded && typical.is_some() {
-                radius = radius.max(self.least_radius(scene, &footprint, &built, &mut visible)?);
-            }
+            let least =
+                if bounded && typical.is_some() { self.least_radius(&footprint, &built, &mut visible)? } else { 0.0 };
             let slot: &mut MapSlot<B> = &mut self.maps[index];
-            slot.radius = radii::scaled(radius, self.settings.radius_factor as f32);
+            slot.derived = Some((radius, least));
+            slot.radius = radii::scaled(radius.max(least), self.settings.radius_factor as f32);
             self.on.mark(None);
             slot.photons = Some(self.stages.map.builder.reclaim(built));
         }
@@ -56,7 +55,6 @@ impl<B: TransportBackend> Pipeline<B> {
     /// they are known.
     fn least_radius(
         &mut self,
-        scene: &SceneView<'_>,
         footprint: &Footprint,
         map: &B::PhotonMap,
         visible: &mut Option<Vec<Query>>,
@@ -65,7 +63,7 @@ impl<B: TransportBackend> Pipeline<B> {
         if visible.is_none() {
             self.on.mark(Some(Stage::Eye));
             // What the camera sees of lights belongs to no pass.
-            let mut film = self.on.film(scene, footprint.joined.width, footprint.joined.height)?;
+            let mut film = self.on.film(self.units, footprint.joined.width, footprint.joined.height)?;
             self.stages.eye.trace_eye(
                 &mut self.on,
                 &self.scene,

@@ -86,6 +86,16 @@ pub trait Render: Send {
         false
     }
 
+    /// Lowers the numbers of paths, shadow rays and final-gather rays of a pass, if a small pass tells that a whole one would take
+    /// more than half of `time`, and returns a sentence on it. The film must be empty; otherwise, and by default, nothing
+    /// is lowered. The pass may take longer than `time` even so if the picture is very large.
+    ///
+    /// # Errors
+    /// Errors of the backend.
+    fn lower(&mut self, _time: Duration) -> Result<Option<String>> {
+        Ok(None)
+    }
+
     /// Describes the renderer and what it was built for.
     fn facts(&self) -> Facts;
 }
@@ -116,10 +126,14 @@ pub struct Facts {
     /// from which radii are derived. After a restart, or with other settings for the same scene, the seconds for the scene are those
     /// of the first time.
     pub setup: StageTimings,
-    /// Paths per pass: fewer than the settings ask for if [`crate::Settings::memory`] allows no more.
+    /// Paths per pass: fewer than the settings ask for if [`crate::Settings::memory`] or [`Render::lower`] allow no more.
     pub photons: u32,
     /// Aimed paths per pass, for caustics; `None`: the other paths fill that map too.
     pub aimed: Option<u32>,
+    /// Shadow rays of a query, which [`Render::lower`] may have lowered.
+    pub shadow_rays: u32,
+    /// Final-gather rays of a query, likewise.
+    pub gather_rays: u32,
     /// Allocations: label and bytes.
     pub memory: Vec<(String, u64)>,
 }
@@ -145,6 +159,8 @@ pub struct Outcome {
     pub last: Option<PassReport>,
     /// Whether the observer stopped it before its budget was spent.
     pub cancelled: bool,
+    /// A sentence on paths and rays that were lowered for the time: [`Render::lower`].
+    pub lowered: Option<String>,
     /// The first forecast, if errors are estimated and there were at least 8 passes. With a limit on time, and unless radii or
     /// the end depend on it, it is made after the first pass that ends after a second; if there is none, this is
     /// [`Outcome::reached`].
@@ -187,7 +203,9 @@ const FORECAST_PASSES: u32 = 8;
 /// take as long as many passes take on a GPU.
 const FORECAST_TIME: Duration = Duration::from_secs(1);
 
-/// Renders passes until the budget is spent or the observer asks to stop.
+/// Renders passes until the budget is spent or the observer asks to stop. With a limit on time, and unless a number of passes is
+/// asked for, a pass has fewer paths and rays if it would take more than half of that time ([`Render::lower`]), of which
+/// the observer gets a warning.
 ///
 /// # Errors
 /// [`Error::InvalidSetting`] for an empty budget, or a target error if the renderer does not estimate
@@ -199,6 +217,14 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
     let mut clock = Clock::new();
     let mut outcome = Outcome::default();
     let mut next_look = FORECAST_PASSES;
+    if let Some(time) = plan.time().filter(|_| !matches!(plan.until, Budget::Passes(_))) {
+        outcome.lowered = renderer.lower(time)?;
+    }
+    if let Some(text) = &outcome.lowered
+        && observer.on_event(&Event::Warning(text)).is_break()
+    {
+        return Err(Error::Cancelled);
+    }
     for index in plan.first..plan.first.saturating_add(plan.passes()) {
         if is_over(&plan, &outcome, &clock) {
             break;

@@ -18,6 +18,8 @@ pub(super) struct MapSlot<B: Backend> {
     pub(super) capacity: u64,
     /// Radius of the first pass, normalised space.
     pub(super) radius: f32,
+    /// The larger of which it is, if it is derived: a radius by the density of photons, and the least for the pixels.
+    pub(super) derived: Option<(f32, f32)>,
 }
 
 impl<B: Backend> MapSlot<B> {
@@ -26,7 +28,8 @@ impl<B: Backend> MapSlot<B> {
     pub(super) fn of(required: &PerMap<bool>, reflected: bool, radius: f32) -> Vec<Self> {
         let maps = required.iter().filter(|(_, required)| **required).map(|(kind, _)| (kind, false));
         let all = maps.chain(reflected.then_some((MapKind::Caustic, true)));
-        all.map(|(kind, reflected)| Self { kind, reflected, photons: None, capacity: 0, radius }).collect()
+        all.map(|(kind, reflected)| Self { kind, reflected, photons: None, capacity: 0, radius, derived: None })
+            .collect()
     }
 
     /// Photon format of the map, where the other maps have `format`.

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::error::{Error, Result};
+use crate::shown::number;
 
 /// How long a render runs: a limit on its cost, or an error to reach.
 ///
@@ -15,7 +16,8 @@ pub enum Budget {
     Passes(u32),
     /// As many passes as are needed to emit this many paths, ≥ 1.
     Photons(u64),
-    /// As many passes as end within this duration; the first pass always runs.
+    /// As many passes as end within this duration; the first one always runs, with fewer paths and rays if it would take too long
+    /// ([`crate::Render::lower`]).
     Time(Duration),
     /// As many passes as are needed until the estimated error ([`crate::ConfidenceInterval`]) is small
     /// enough. [`crate::Settings::errors`] must be set.
@@ -48,7 +50,8 @@ pub struct Plan {
     pub until: Budget,
     /// Maximum number of passes, ≥ 1.
     pub most_passes: Option<u32>,
-    /// Maximum duration: no pass begins that is expected to end later. The first pass always runs.
+    /// Maximum duration: no pass begins that is expected to end later. The first pass always runs, likewise, but as asked for
+    /// with [`Budget::Passes`].
     pub most_time: Option<Duration>,
 }
 
@@ -95,8 +98,8 @@ impl Plan {
             Budget::Photons(photons) => ensure(photons > 0, "photons", photons.to_string(), "at least 1 is needed"),
             Budget::Error { target, share_of_pixels: share } => {
                 let good = target > 0.0 && target < 1.0;
-                ensure(good, "target-error", target.to_string(), "must be above 0 and below 1: 0.05 is 5 %")?;
-                ensure(share > 0.0 && share <= 1.0, "share", share.to_string(), "must be above 0 and at most 1")
+                ensure(good, "target-error", number(target), "must be above 0 and below 1: 0.05 is 5 %")?;
+                ensure(share > 0.0 && share <= 1.0, "share", number(share), "must be above 0 and at most 1")
             }
             Budget::Passes(_) | Budget::Time(_) => Ok(()),
         }

@@ -33,6 +33,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     args.files.json.iter().try_for_each(|path| Outputs::check_report(path))?;
     let denoiser = if args.files.denoise { Some(Denoiser::load()?) } else { None };
     let begun = Instant::now();
+    signals::end_while_loading()?;
     let ((scene, loaded), seconds_load, opened) = load_and_open(args)?;
     let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
     let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
@@ -48,19 +49,19 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     summary::say("warning: ", &starving);
     warnings.extend(starving);
 
-    let stop = signals::stop()?;
+    let stop = signals::stop();
     let (outcome, film, filed) = match &args.film.film {
         Some(path) => {
-            let film = render_film::run(path, args, (&scene, &view, &settings), &mut renderers, (&mut watch, &stop))?;
+            let film = render_film::run(path, args, (&scene, &view, &settings), &mut renderers, (&mut watch, stop))?;
             (film.outcome, film.film, Some((path, film.filed)))
         }
         None if render_blocks::in_blocks(args) => {
-            let (outcome, film) = render_blocks::run(args, &settings, &mut renderers, &mut watch, &stop)?;
+            let (outcome, film) = render_blocks::run(args, &settings, &mut renderers, &mut watch, stop)?;
             (outcome, film, None)
         }
         None => {
             let renderer = &mut *renderers[0];
-            (render_passes::run(args, settings.photons, renderer, begun, (&mut watch, &stop))?, renderer.film()?, None)
+            (render_passes::run(args, settings.photons, renderer, begun, (&mut watch, stop))?, renderer.film()?, None)
         }
     };
     let seconds_passes = ready.elapsed().as_secs_f64();
@@ -76,6 +77,10 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         say!("warning: {warning}");
         warnings.push(warning);
     }
+    // Said before the first pass.
+    warnings.extend(outcome.lowered.clone());
+    let facts = renderer.facts();
+    settings = Settings { shadow_rays: facts.shadow_rays, gather_rays: facts.gather_rays, ..settings };
 
     let details = Details {
         scene: &args.scene.scene,
@@ -179,7 +184,7 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
         return Ok(Vec::new());
     }
     if args.files.output.is_empty() {
-        let stem = Path::new(&args.scene.scene).file_stem().unwrap_or_default();
+        let stem = Path::new(&args.scene.scene).file_stem().ok_or_else(|| load::unnamed(&args.scene.scene))?;
         return Ok(vec![Path::new(stem).with_extension("png")]);
     }
     for path in &args.files.output {

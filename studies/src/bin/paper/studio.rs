@@ -66,7 +66,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
         repeats: usize,
     ) -> Result<(Measured, Film)> {
         let mut stages = self.on.stages(&self.required, &experiment.settings)?;
-        let mut film = self.on.film(&self.source.view(), self.view.width, self.view.height)?;
+        let mut film = self.on.film(self.source.units(), self.view.width, self.view.height)?;
         let pixels = u64::from(self.view.width) * u64::from(self.view.height);
         let splits = self.required.features.splits_camera_paths();
         let most = pixels * if splits { u64::from(QUERIES_PER_PIXEL) } else { 1 };

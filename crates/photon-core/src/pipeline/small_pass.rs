@@ -1,0 +1,113 @@
+//! A pass of few pixels, paths and rays, which tells how long a whole one takes, and about the light in the picture.
+
+use super::Pipeline;
+use crate::backend::stages::View;
+use crate::backend::{Stage, StageTimings, TransportBackend};
+use crate::error::Result;
+use crate::film::Film;
+use crate::radius::radii;
+use crate::settings::{Estimator, Settings};
+
+/// Most shadow rays, and most final-gather rays, of a query.
+const RAYS: u32 = 8;
+
+/// Results of a small pass.
+pub(super) struct SmallPass {
+    pub(super) film: Film,
+    /// Expected seconds of a whole pass.
+    pub(super) whole: Seconds,
+    /// Seconds of kernels that were compiled.
+    pub(super) compile: f64,
+    /// Expected seconds of one final-gather ray for each pixel: a ray and an estimate where it lands.
+    pub(super) gather_ray: f64,
+}
+
+/// Seconds of a pass, by what they are proportional to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Seconds {
+    /// To the number of paths.
+    pub(super) photons: f64,
+    /// To the number of shadow rays.
+    pub(super) shadow_rays: f64,
+    /// To the number of final-gather rays.
+    pub(super) gather_rays: f64,
+    /// To none of them.
+    pub(super) others: f64,
+}
+
+impl Seconds {
+    pub(super) fn total(&self) -> f64 {
+        self.photons + self.shadow_rays + self.gather_rays + self.others
+    }
+}
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// Renders `paths` paths and the pixels of `small` with random numbers of its own, into a film of its own. Photons that are
+    /// searched for in derived radii are as many for an estimate as in a whole pass.
+    pub(super) fn small_pass(&mut self, small: View, paths: u32) -> Result<SmallPass> {
+        let (whole, settings) = (self.view, self.settings.clone());
+        let count = |view: View| f64::from(view.width) * f64::from(view.height);
+        let pixels = count(whole) / count(small);
+        let more = f64::from(settings.photons) / f64::from(paths);
+        let [shadow, gather] = [settings.shadow_rays, settings.gather_rays].map(|rays| rays.min(RAYS));
+        let is_fixed = matches!(settings.estimator, Estimator::Radius { radius: Some(_) });
+        let mut film = self.on.film(self.units, small.width, small.height)?;
+        if settings.errors {
+            self.on.keep_errors(&mut film)?;
+        }
+        std::mem::swap(&mut self.film, &mut film);
+        self.view = small;
+        self.settings = Settings { seed: !settings.seed, shadow_rays: shadow, gather_rays: gather, ..settings.clone() };
+        let before: Vec<f32> = self.maps.iter().map(|slot| slot.radius).collect();
+        if !is_fixed {
+            let wider = more.sqrt() as f32;
+            self.maps.iter_mut().for_each(|slot| slot.radius = radii::scaled(slot.radius, wider));
+        }
+        let rendered = self.rendered(paths);
+        self.maps.iter_mut().zip(before).for_each(|(slot, radius)| slot.radius = radius);
+        (self.view, self.settings) = (whole, settings);
+        std::mem::swap(&mut self.film, &mut film);
+        drop(film);
+        self.recover()?;
+        // Memory is again reported for the film of the picture.
+        self.on.abandon_pass(&mut self.film)?;
+        let (film, seconds) = rendered?;
+        let of = |stages: &[Stage]| stages.iter().map(|&stage| seconds.get(stage)).sum::<f64>();
+        let traced = of(&[Stage::Emit, Stage::Trace, Stage::Build]);
+        let estimated = pixels * of(&[Stage::Estimate]);
+        let [direct, gathered] =
+            [(Stage::Direct, self.settings.shadow_rays, shadow), (Stage::Gather, self.settings.gather_rays, gather)]
+                .map(|(stage, all, few)| pixels * seconds.get(stage) * f64::from(all) / f64::from(few.max(1)));
+        // In a given radius, there are more photons with more paths.
+        let denser = if is_fixed { more } else { 1.0 };
+        Ok(SmallPass {
+            film,
+            whole: Seconds {
+                photons: traced * more + if is_fixed { estimated * more } else { 0.0 },
+                shadow_rays: direct,
+                gather_rays: gathered * denser,
+                others: pixels * of(&[Stage::Eye, Stage::Film]) + if is_fixed { 0.0 } else { estimated },
+            },
+            compile: seconds.get(Stage::Compile),
+            gather_ray: pixels * of(&[Stage::Eye, Stage::Estimate]),
+        })
+    }
+
+    /// One pass of so many paths into the present film.
+    fn rendered(&mut self, paths: u32) -> Result<(Film, StageTimings)> {
+        self.on.timings()?;
+        let sent = self.emit_and_trace(0, paths, &mut ())?;
+        let (queries, _) = self.look(0)?;
+        self.estimate(0, &sent, queries)?;
+        self.on.end_pass(&mut self.film)?;
+        let seconds = self.on.timings()?;
+        Ok((self.on.read_film(&self.film)?, seconds))
+    }
+}
+
+/// The view with at most so many pixels.
+pub(super) fn reduced(whole: View, pixels: f64) -> View {
+    let part = (pixels / (f64::from(whole.width) * f64::from(whole.height))).sqrt().min(1.0);
+    let side = |length: u32| ((f64::from(length) * part) as u32).clamp(1, pixels as u32);
+    View { width: side(whole.width), height: side(whole.height), ..whole }
+}

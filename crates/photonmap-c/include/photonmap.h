@@ -186,7 +186,7 @@ enum PmStatus
    */
   PM_STATUS_INVALID_ARGUMENT = 1,
   /**
-   * A scene has an invalid value, or no light, or no camera of that name.
+   * A scene has an invalid value, or no triangles, or no camera of that name.
    */
   PM_STATUS_INVALID_SCENE = 2,
   /**
@@ -775,7 +775,8 @@ size_t pm_last_error(char *text, size_t room);
  * Reads a scene file: .gltf, .glb, .obj or .ply.
  *
  * `overrides`: a TOML file that changes or adds materials, lights, cameras and an environment; NULL for none. A scene
- * without a camera gets one that shows all of it. Paths are UTF-8. `*scene` is to be freed with pm_scene_free().
+ * without a camera gets one that shows all of it, and one without a light an even environment, of which pm_scene_report()
+ * has a line. Paths are UTF-8. `*scene` is to be freed with pm_scene_free().
  */
 PmStatus pm_scene_load(const char *file, const char *overrides, struct PmScene **scene);
 
@@ -854,14 +855,24 @@ PmStatus pm_builder_light(struct PmBuilder *builder, const struct PmLight *light
 PmStatus pm_builder_camera(struct PmBuilder *builder, const struct PmCamera *camera);
 
 /**
+ * Sets the light from all around, and replaces that of before.
+ *
+ * `light`: an .exr or .hdr image in latitude and longitude, of radiance in W/(m² sr), whose centre is seen along -z;
+ * "constant", of radiance 1, or "constant:R,G,B"; or a clear sky with its sun, "sky:ELEVATION,TURBIDITY", in degrees and
+ * from 1 to 10. `rotate`: degrees, counter-clockwise as seen from +y. `scale`: factor on the light, such as 1.
+ */
+PmStatus pm_builder_environment(struct PmBuilder *builder, const char *light, double rotate, double scale);
+
+/**
  * Applies the text of an override file: an environment, lights and cameras, and changes of materials that were added
  * before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
  */
 PmStatus pm_builder_overrides(struct PmBuilder *builder, const char *toml);
 
 /**
- * Checks everything and makes the scene. A scene without a camera gets one that shows all of it. The builder may be
- * changed and built again. `*scene` is to be freed with pm_scene_free().
+ * Checks everything and makes the scene. A scene without a camera gets one that shows all of it, and one without a light an
+ * even environment of radiance 1, of which pm_scene_report() has a line. The builder may be changed and built again. `*scene`
+ * is to be freed with pm_scene_free().
  */
 PmStatus pm_builder_build(const struct PmBuilder *builder, struct PmScene **scene);
 
@@ -893,7 +904,8 @@ PmStatus pm_renderer_new(const struct PmScene *scene,
 
 /**
  * Makes a renderer as pm_renderer_new() does, for about `seconds` of rendering, above 0 and finite, which begin now: settings that
- * `settings` leaves out are decided by the facts of a first pass, which is in no film. Passes are then rendered by
+ * `settings` leaves out are decided by the facts of a first pass, which is in no film, and passes that would take more than half
+ * of the time have fewer paths and rays than are asked for: pm_renderer_report(). Passes are then rendered by
  * pm_renderer_passes() as long as there is time. Which settings were decided may depend on the speed of the machine.
  */
 PmStatus pm_renderer_for_time(const struct PmScene *scene,
@@ -933,6 +945,11 @@ PmStatus pm_renderer_take(struct PmRenderer *renderer, struct PmFilm **film);
  * Copies a description of the device: as pm_last_error().
  */
 size_t pm_renderer_device(const struct PmRenderer *renderer, char *text, size_t room);
+
+/**
+ * Copies what pm_renderer_for_time() has lowered, or nothing: as pm_last_error().
+ */
+size_t pm_renderer_report(const struct PmRenderer *renderer, char *text, size_t room);
 
 /**
  * Frees a renderer; NULL is ignored. Films that it returned stay valid.

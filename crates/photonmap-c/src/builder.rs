@@ -7,6 +7,7 @@ use photonmap::scene::{
     CameraDesc, Dispersion, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection,
     SceneBuilder, Surface, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with,
 };
+use photonmap_cli::args::{EnvironmentArgs, EnvironmentName};
 
 use crate::describe::{
     PM_DISPERSION_ABBE, PM_DISPERSION_CAUCHY, PM_DISPERSION_NONE, PM_DISPERSION_SELLMEIER, PM_LIGHT_DIRECTIONAL,
@@ -45,7 +46,18 @@ impl PmBuilder {
     }
 
     pub(crate) fn build(&self) -> Result<PmScene> {
-        Ok(PmScene::new(self.scene.clone().build()?, &self.report))
+        let (mut scene, mut report) = (self.scene.clone(), self.report.clone());
+        if !scene.has_camera() {
+            scene.camera("automatic", scene.frame_camera());
+        }
+        if scene.light_if_dark()? {
+            report.note(
+                "the scene",
+                "has no light; an even environment of radiance 1 is used; choose another with pm_builder_environment(), or \
+                 add lights",
+            );
+        }
+        Ok(PmScene::new(scene.build()?, &report))
     }
 }
 
@@ -219,6 +231,36 @@ pub unsafe extern "C" fn pm_builder_camera(builder: *mut PmBuilder, camera: *con
     })
 }
 
+/// Sets the light from all around, and replaces that of before.
+///
+/// `light`: an .exr or .hdr image in latitude and longitude, of radiance in W/(m² sr), whose centre is seen along -z;
+/// "constant", of radiance 1, or "constant:R,G,B"; or a clear sky with its sun, "sky:ELEVATION,TURBIDITY", in degrees and
+/// from 1 to 10. `rotate`: degrees, counter-clockwise as seen from +y. `scale`: factor on the light, such as 1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_environment(
+    builder: *mut PmBuilder,
+    light: *const c_char,
+    rotate: f64,
+    scale: f64,
+) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle and text.
+        let (builder, light) = unsafe { (pointer::exclusive(builder, "builder")?, pointer::text(light, "light")?) };
+        let name = light.parse::<EnvironmentName>();
+        let name = name.map_err(|why| Fault::argument(format!("light is {light:?}: {why}")))?;
+        let given = EnvironmentArgs {
+            environment: Some(name),
+            environment_rotate: rotate,
+            environment_scale: scale,
+            portals: Vec::new(),
+        };
+        if let Some(desc) = given.desc(&mut builder.report)? {
+            builder.scene.environment_from(&desc)?;
+        }
+        Ok(())
+    })
+}
+
 /// Applies the text of an override file: an environment, lights and cameras, and changes of materials that were added
 /// before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
 #[unsafe(no_mangle)]
@@ -231,22 +273,14 @@ pub unsafe extern "C" fn pm_builder_overrides(builder: *mut PmBuilder, toml: *co
     })
 }
 
-/// Checks everything and makes the scene. A scene without a camera gets one that shows all of it. The builder may be
-/// changed and built again. `*scene` is to be freed with pm_scene_free().
+/// Checks everything and makes the scene. A scene without a camera gets one that shows all of it, and one without a light an
+/// even environment of radiance 1, of which pm_scene_report() has a line. The builder may be changed and built again. `*scene`
+/// is to be freed with pm_scene_free().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_builder_build(builder: *const PmBuilder, scene: *mut *mut PmScene) -> PmStatus {
     call(|| {
         // SAFETY: the caller's handle, and pointer to a handle.
-        unsafe {
-            pointer::hand_out(scene, || {
-                let builder = pointer::shared(builder, "builder")?;
-                let mut made = builder.scene.clone();
-                if !made.has_camera() {
-                    made.camera("automatic", made.frame_camera());
-                }
-                Ok(PmScene::new(made.build()?, &builder.report))
-            })
-        }
+        unsafe { pointer::hand_out(scene, || pointer::shared(builder, "builder")?.build()) }
     })
 }
 

@@ -24,7 +24,7 @@ pub enum PmStatus {
     Ok = 0,
     /// An argument is NULL, of the wrong size, not finite or out of range.
     InvalidArgument = 1,
-    /// A scene has an invalid value, or no light, or no camera of that name.
+    /// A scene has an invalid value, or no triangles, or no camera of that name.
     InvalidScene = 2,
     /// The settings are no valid JSON, or a setting is unknown or out of range.
     InvalidSettings = 3,

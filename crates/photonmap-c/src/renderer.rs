@@ -3,6 +3,7 @@
 use std::ffi::{c_char, c_void};
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use photonmap::film::{FilmInfo, FilmKey, Maker};
 use photonmap::scene::Scene;
@@ -27,6 +28,8 @@ pub struct PmRenderer {
     settings: Settings,
     /// The pass after the last one in the film, while passes are in ascending order.
     next: Option<u32>,
+    /// What was lowered for the time.
+    report: String,
 }
 
 impl PmRenderer {
@@ -35,32 +38,30 @@ impl PmRenderer {
             Device::Cpu(cpu) => Box::new(Pipeline::in_batches(cpu, &scene.view(), view, settings.clone(), BATCH)?),
             Device::Vulkan(gpu) => Box::new(Pipeline::new(*gpu, &scene.view(), view, settings.clone())?),
         };
-        Ok(Self { renderer, scene, view, settings, next: Some(0) })
+        Ok(Self { renderer, scene, view, settings, next: Some(0), report: String::new() })
     }
 
-    /// With settings that are decided by the facts of a first pass.
-    fn for_time(
-        scene: Arc<Scene>,
-        view: View,
-        settings: Settings,
-        device: Device,
-        open: (Option<f64>, Fixed),
-    ) -> Result<Self> {
+    /// With settings that are decided by the facts of a first pass, and passes that end within the time.
+    fn for_time(scene: Arc<Scene>, view: View, settings: Settings, device: Device, open: (f64, Fixed)) -> Result<Self> {
         fn made<B: TransportBackend>(
             on: B,
             (scene, view): (&Scene, View),
             settings: &Settings,
-            open: (Option<f64>, Fixed),
+            (seconds, fixed): (f64, Fixed),
         ) -> Result<(Box<dyn Render>, Option<Decision>)> {
+            let open = (Some(seconds), fixed);
             let (renderer, decision) = Pipeline::for_time(on, &scene.view(), view, settings, open)?;
             Ok((Box::new(renderer), decision))
         }
-        let (renderer, decision) = match device {
+        let begun = Instant::now();
+        let (mut renderer, decision) = match device {
             Device::Cpu(cpu) => made(cpu, (&scene, view), &settings, open)?,
             Device::Vulkan(gpu) => made(*gpu, (&scene, view), &settings, open)?,
         };
+        let left = Duration::try_from_secs_f64(open.0).unwrap_or(Duration::MAX).saturating_sub(begun.elapsed());
+        let report = renderer.lower(left)?.unwrap_or_default();
         let settings = decision.map_or(settings, |decision| decision.settings);
-        Ok(Self { renderer, scene, view, settings, next: Some(0) })
+        Ok(Self { renderer, scene, view, settings, next: Some(0), report })
     }
 
     /// Renders passes; the number of those that were finished goes to `done`.
@@ -150,7 +151,8 @@ pub unsafe extern "C" fn pm_renderer_new(
 }
 
 /// Makes a renderer as pm_renderer_new() does, for about `seconds` of rendering, above 0 and finite, which begin now: settings that
-/// `settings` leaves out are decided by the facts of a first pass, which is in no film. Passes are then rendered by
+/// `settings` leaves out are decided by the facts of a first pass, which is in no film, and passes that would take more than half
+/// of the time have fewer paths and rays than are asked for: pm_renderer_report(). Passes are then rendered by
 /// pm_renderer_passes() as long as there is time. Which settings were decided may depend on the speed of the machine.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_renderer_for_time(
@@ -170,7 +172,7 @@ pub unsafe extern "C" fn pm_renderer_for_time(
                 }
                 let (scene, view) = (&pointer::shared(scene, "scene")?.scene, seen(scene, view)?);
                 let (settings, fixed) = options::given_settings(settings)?;
-                PmRenderer::for_time(scene.clone(), view, settings, open(device)?, (Some(seconds), fixed))
+                PmRenderer::for_time(scene.clone(), view, settings, open(device)?, (seconds, fixed))
             })
         }
     })
@@ -260,6 +262,13 @@ pub unsafe extern "C" fn pm_renderer_device(renderer: *const PmRenderer, text: *
         // SAFETY: the caller's buffer of `room` bytes.
         Ok(unsafe { pointer::copy_text(&format!("{}: {}", facts.backend, facts.device), text, room) })
     })
+}
+
+/// Copies what pm_renderer_for_time() has lowered, or nothing: as pm_last_error().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_renderer_report(renderer: *const PmRenderer, text: *mut c_char, room: usize) -> usize {
+    // SAFETY: the caller's handle, and buffer of `room` bytes.
+    length(|| Ok(unsafe { pointer::copy_text(&pointer::shared(renderer, "renderer")?.report, text, room) }))
 }
 
 /// Frees a renderer; NULL is ignored. Films that it returned stay valid.

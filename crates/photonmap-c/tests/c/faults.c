@@ -149,6 +149,31 @@ static void scenes(void)
     EXPECT(pm_builder_build(builder, &scene), PM_STATUS_INVALID_SCENE, "material 'white'");
     pm_builder_free(builder);
     BAD(pm_builder_build(NULL, &scene), "builder is NULL");
+
+    /* A scene without a light gets one, and says so; an environment that is set is the light. */
+    char text[1000];
+    corners[4] = 0;
+    mesh.material = 0;
+    OK(pm_builder_new(&builder));
+    OK(pm_builder_material(builder, &white, NULL));
+    OK(pm_builder_mesh(builder, &mesh));
+    OK(pm_builder_build(builder, &scene));
+    TRUE(pm_scene_report(scene, text, sizeof text) > 0 && strstr(text, "pm_builder_environment()"));
+    pm_scene_free(scene);
+    BAD(pm_builder_environment(NULL, "constant", 0, 1), "builder is NULL");
+    BAD(pm_builder_environment(builder, NULL, 0, 1), "light is NULL");
+    BAD(pm_builder_environment(builder, "constant:1,2", 0, 1), "three numbers");
+    EXPECT(pm_builder_environment(builder, "no-such-file.exr", 0, 1), PM_STATUS_FILE, "no-such-file");
+    EXPECT(pm_builder_environment(builder, "sky:91,3", 0, 1), PM_STATUS_INVALID_SCENE, "91");
+    EXPECT(pm_builder_environment(builder, "constant", NAN, 1), PM_STATUS_INVALID_SCENE, "NaN");
+    OK(pm_builder_environment(builder, "constant:1,0.5,2", 90, 2));
+    OK(pm_builder_build(builder, &scene));
+    TRUE(pm_scene_report(scene, text, sizeof text) == 0);
+    pm_scene_free(scene);
+    OK(pm_builder_environment(builder, "sky:30,3", 0, 1));
+    OK(pm_builder_build(builder, &scene));
+    pm_scene_free(scene);
+    pm_builder_free(builder);
 }
 
 /* The denoiser of the tests makes twice the colour plus the albedo plus the normal. */

@@ -150,7 +150,21 @@ fn create(path: &Path) -> io::Result<NamedTempFile> {
     // Temporary files are private by default; pictures have the usual permissions of new files.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder(path))
+    builder.tempfile_in(folder(path)).map_err(|why| without_temporary_name(&why, folder(path)))
+}
+
+/// What is wrong with a folder in which a temporary file could not be made, whose name would tell nothing.
+fn without_temporary_name(why: &io::Error, folder: &Path) -> io::Error {
+    let folder = folder.display();
+    let text = match why.kind() {
+        io::ErrorKind::NotFound => format!("there is no folder {folder}"),
+        _ => {
+            let cause = why.get_ref().and_then(|inner| inner.source());
+            let cause = cause.map_or_else(|| why.to_string(), ToString::to_string);
+            format!("no file can be made in the folder {folder}: {cause}")
+        }
+    };
+    io::Error::new(why.kind(), text)
 }
 
 #[cfg(test)]
@@ -171,7 +185,10 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"good");
         check(&path).unwrap();
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
-        assert!(check(&folder.path().join("none/b.txt")).is_err());
+        let words = check(&folder.path().join("none/b.txt")).unwrap_err().to_string();
+        assert_eq!(words, format!("there is no folder {}", folder.path().join("none").display()));
+        let words = write_bytes(&path.join("b.txt"), b"").unwrap_err().to_string();
+        assert!(!words.contains("partial"), "{words}");
         assert!(check(folder.path()).unwrap_err().to_string().contains("folder"));
     }
 

@@ -83,6 +83,11 @@ fn builder_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(SceneBuilder, L
     Ok((builder, report))
 }
 
+/// The fault of a scene whose name is empty, or no name of a file.
+pub(crate) fn unnamed(scene: &str) -> Fault {
+    Fault::input(format!("'{scene}' names no scene; give a file, or a built-in scene, which `photonmap scenes` lists"))
+}
+
 /// The description of a scene with the overrides applied.
 fn described(args: &SceneArgs, options: &LoadOptions) -> Result<(SceneBuilder, LoadReport), Fault> {
     let starts = args.overrides.as_deref() == Some(Path::new(STARTER));
@@ -93,6 +98,9 @@ fn described(args: &SceneArgs, options: &LoadOptions) -> Result<(SceneBuilder, L
         None => given,
     };
     let path = Path::new(&args.scene);
+    if path.file_name().is_none() {
+        return Err(unnamed(&args.scene));
+    }
     let is_gltf =
         path.extension().is_some_and(|name| name.eq_ignore_ascii_case("gltf") || name.eq_ignore_ascii_case("glb"));
     if args.light_units.is_some() && !is_gltf {

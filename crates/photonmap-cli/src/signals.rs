@@ -1,32 +1,48 @@
 //! Signals: those that ask for an end, and those whose default would end the program in the middle of a write.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use crate::fault::{Fault, INTERRUPTED};
 
-/// A flag that is set by Ctrl-C, SIGTERM and SIGHUP. A process has one, which later renders share.
+/// The flag that is set by Ctrl-C, SIGTERM and SIGHUP. A process has one handler, which later renders share.
+static HEARD: AtomicBool = AtomicBool::new(false);
+
+/// Whether there is nothing to write yet.
+static LOADING: AtomicBool = AtomicBool::new(false);
+
+/// Installs the handler. Until [`stop`] is called, a signal ends the program at once, with a line: loading a scene and preparing a
+/// device may take long, and leave nothing to write.
 ///
 /// # Errors
 /// [`Fault::Failure`] if the system refuses the handler.
-pub fn stop() -> Result<Arc<AtomicBool>, Fault> {
-    static FLAG: Mutex<Option<Arc<AtomicBool>>> = Mutex::new(None);
-    let mut flag = FLAG.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(stop) = &*flag {
-        stop.store(false, Ordering::SeqCst);
-        return Ok(Arc::clone(stop));
+pub fn end_while_loading() -> Result<(), Fault> {
+    static INSTALLED: Mutex<bool> = Mutex::new(false);
+    let mut installed = INSTALLED.lock().unwrap_or_else(PoisonError::into_inner);
+    HEARD.store(false, Ordering::SeqCst);
+    LOADING.store(true, Ordering::SeqCst);
+    if !*installed {
+        system::keep_ignoring_hangups(|| ctrlc::set_handler(heard)).map_err(Fault::failure)?;
+        *installed = true;
     }
-    let stop = Arc::new(AtomicBool::new(false));
-    let heard = Arc::clone(&stop);
-    let handler = move || {
-        // The first signal requests the picture so far; the second ends the program at once.
-        if heard.swap(true, Ordering::SeqCst) {
-            std::process::exit(INTERRUPTED.into());
-        }
-    };
-    system::keep_ignoring_hangups(|| ctrlc::set_handler(handler)).map_err(Fault::failure)?;
-    *flag = Some(Arc::clone(&stop));
-    Ok(stop)
+    Ok(())
+}
+
+/// From now on, the first signal sets the flag that is returned, to request the picture so far.
+pub fn stop() -> &'static AtomicBool {
+    LOADING.store(false, Ordering::SeqCst);
+    &HEARD
+}
+
+/// Handles a signal, on a thread of its own. The second one ends the program even if there is something to write.
+fn heard() {
+    if LOADING.load(Ordering::SeqCst) {
+        say!("interrupted while loading; nothing was written");
+        system::exit(INTERRUPTED.into());
+    }
+    if HEARD.swap(true, Ordering::SeqCst) {
+        system::exit(INTERRUPTED.into());
+    }
 }
 
 /// Lets a write beyond the limit on file sizes fail as on a full disk, with an error that names the file.
@@ -36,8 +52,9 @@ pub fn ignore_file_size_limit() {
 
 #[cfg(unix)]
 mod system {
-    #![expect(unsafe_code, reason = "dispositions of signals, of the whole process")]
+    #![expect(unsafe_code, reason = "dispositions of signals, and the end, of the whole process")]
 
+    use nix::libc;
     use nix::sys::signal::{SigHandler, Signal, signal};
 
     /// Calls `set_handlers`, but leaves SIGHUP ignored if it was, as `nohup` wishes.
@@ -52,6 +69,13 @@ mod system {
         result
     }
 
+    /// Ends the process without the functions that drivers have registered for its end, which must not run while other threads
+    /// are in these drivers.
+    pub(super) fn exit(code: i32) -> ! {
+        // SAFETY: it does not return.
+        unsafe { libc::_exit(code) }
+    }
+
     pub(super) fn ignore_file_size_limit() {
         // SAFETY: ignoring a signal runs no code.
         let _ = unsafe { signal(Signal::SIGXFSZ, SigHandler::SigIgn) };
@@ -62,6 +86,10 @@ mod system {
 mod system {
     pub(super) fn keep_ignoring_hangups<T>(set_handlers: impl FnOnce() -> T) -> T {
         set_handlers()
+    }
+
+    pub(super) fn exit(code: i32) -> ! {
+        std::process::exit(code)
     }
 
     pub(super) fn ignore_file_size_limit() {}

@@ -12,7 +12,7 @@ use photon_core::{
 use photon_scene::{LightUnits, Scene, SceneError, ThinLens};
 
 use super::environment::EnvironmentArgs;
-use super::values::{PassRange, caustic_photons, choice, count, light_units, passes, seconds, size, total};
+use super::values::{PassRange, caustic_photons, choice, count, light_units, passes, seconds, size, total, whole};
 use crate::backend::BackendName;
 use crate::exposure::Exposure;
 use crate::tonemap::ToneMap;
@@ -154,7 +154,7 @@ pub struct PhotonArgs {
     #[arg(long, value_name = "R", hide_short_help = true)]
     pub caustic_roughness: Option<f32>,
     /// Maximum length of a path, in surface hits [default: 1024].
-    #[arg(long, value_name = "N", hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
     pub max_bounces: Option<u32>,
     /// Seed of all random numbers: the same seed gives the same picture.
     #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true)]
@@ -178,7 +178,7 @@ pub struct EstimateArgs {
     #[arg(long, default_value = "radius", value_parser = choice::<Estimator>(Estimator::NAMES), hide_short_help = true)]
     pub estimator: Estimator,
     /// Photons per estimate, for knn and paper [default: 50, paper 200].
-    #[arg(long, value_name = "N", hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
     pub k: Option<u32>,
     /// Search radius of the first pass, in the scene's unit of length [default: from the photon density].
     #[arg(long, value_name = "R", hide_short_help = true)]
@@ -228,7 +228,7 @@ pub struct LightArgs {
     #[arg(long, value_parser = choice::<Indirect>(Indirect::ALL.map(Indirect::name)), hide_short_help = true)]
     pub indirect: Option<Indirect>,
     /// Shadow rays per visible point and pass [default: 2].
-    #[arg(long, value_name = "N", hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
     pub shadow_rays: Option<u32>,
     /// Start shadow rays at the triangles of meshes with vertex normals, not outside the mesh.
     ///
@@ -236,10 +236,10 @@ pub struct LightArgs {
     #[arg(long, hide_short_help = true)]
     pub no_terminator_offset: bool,
     /// Final-gather rays per visible point and pass [default: 16].
-    #[arg(long, value_name = "N", hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
     pub gather_rays: Option<u32>,
     /// Precompute irradiance at every N-th photon, for final-gather rays to look up.
-    #[arg(long, value_name = "N", hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
     pub irradiance_every: Option<u32>,
 }
 

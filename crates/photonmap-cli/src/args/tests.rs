@@ -61,7 +61,12 @@ fn limits_and_targets_become_a_plan() {
     let error = plan(&["--target-error", "0.05"], second);
     assert_eq!(error.until, Budget::Error { target: 0.05, share_of_pixels: 0.95 });
     assert_eq!((error.time(), error.passes()), (second, u32::MAX - 1));
-    assert_eq!(plan(&["--total-photons", "3M"], None).until, Budget::Photons(3_000_000));
+    for (total, photons) in [("3M", 3_000_000), ("2e10", 20_000_000_000), ("18446744073709551615", u64::MAX)] {
+        assert_eq!(plan(&["--total-photons", total], None).until, Budget::Photons(photons));
+    }
+    assert_eq!(plan(&["--passes", "1e3"], None).until, Budget::Passes(1000));
+    let whole = args(&["--photons", "1e5", "--k", "6e1", "--shadow-rays", "4.0"]).unwrap().settings.settings().unwrap();
+    assert_eq!((whole.photons, whole.shadow_rays), (100_000, 4));
     let range = plan(&["--passes", "64..128"], None);
     assert_eq!((range.first, range.until), (64, Budget::Passes(64)));
     for wrong in ["8..8", "9..8", "..8", "8..", "0..4294967295", "eight"] {
@@ -171,6 +176,11 @@ fn absurd_values_are_refused() {
         vec!["--caustic-roughness", "1.5"],
         vec!["--caustic-roughness", "nan"],
         vec!["--photons", "1.5"],
+        vec!["--photons", "1e308"],
+        vec!["--passes", "1.5"],
+        vec!["--shadow-rays", "2.5"],
+        vec!["--total-photons", "0.5"],
+        vec!["--total-photons", "1e30"],
         vec!["--size", "0x0"],
         vec!["--size", "12"],
         vec!["--passes", "0"],

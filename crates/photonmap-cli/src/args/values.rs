@@ -35,7 +35,7 @@ pub struct PassRange {
 /// Parses a number of passes, or a range such as `64..128`.
 pub(super) fn passes(text: &str) -> Result<PassRange, String> {
     const ASK: &str = "give a number of passes such as 64, or a range such as 64..128";
-    let index = |text: &str| text.parse::<u32>().map_err(|_| ASK.to_owned());
+    let index = |text: &str| whole(text).map_err(|_| ASK.to_owned());
     let Some((first, end)) = text.split_once("..") else {
         return Ok(PassRange { first: 0, count: index(text)? });
     };
@@ -67,10 +67,12 @@ pub(super) fn duration(text: &str) -> Result<Duration, String> {
 
 /// A total number of photons, which may exceed 32 bits.
 pub(super) fn total(text: &str) -> Result<u64, String> {
-    count(text).map(u64::from).or_else(|_| match text.parse::<u64>() {
-        Ok(number) if number > 0 => Ok(number),
-        _ => Err("give a whole number such as 200000000, 200k or 200M".to_owned()),
-    })
+    let within = |number: &f64| number.fract() == 0.0 && (1.0..1e18).contains(number);
+    let found = match text.parse::<u64>() {
+        Ok(number) => Some(number).filter(|number| *number > 0),
+        Err(_) => number(text).filter(within).map(|number| number as u64),
+    };
+    found.ok_or_else(|| "give a whole number such as 200000000, 200k, 200M or 2e8".to_owned())
 }
 
 /// Parses width and height.
@@ -81,18 +83,29 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     Ok((width, height))
 }
 
-/// Parses a whole number of paths, with `k` for a thousand and `M` for a million.
+/// Parses a whole number, also such as `1e3`, with `k` for a thousand and `M` for a million; its range is not checked.
+pub(super) fn whole(text: &str) -> Result<u32, String> {
+    let number = number(text).filter(|number| number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(number));
+    number.map(|number| number as u32).ok_or_else(|| "give a whole number, such as 64".to_owned())
+}
+
+/// Parses a whole number of paths, likewise.
 pub(super) fn count(text: &str) -> Result<u32, String> {
+    let number = number(text).ok_or("give a number such as 200000, 2e5, 200k or 1.5M")?;
+    if number.fract() == 0.0 && (1.0..f64::from(u32::MAX)).contains(&number) {
+        Ok(number as u32)
+    } else {
+        Err(format!("{text} is out of range: give a whole number from 1 to {}", u32::MAX - 1))
+    }
+}
+
+/// A number, with `k` for a thousand and `M` for a million.
+fn number(text: &str) -> Option<f64> {
     let (digits, factor) = match text.strip_suffix(['k', 'K']) {
         Some(digits) => (digits, 1e3),
         None => text.strip_suffix(['m', 'M']).map_or((text, 1.0), |digits| (digits, 1e6)),
     };
-    let number = digits.parse::<f64>().map_err(|_| "give a number such as 200000, 200k or 1.5M")? * factor;
-    if number.fract() == 0.0 && (1.0..f64::from(u32::MAX)).contains(&number) {
-        Ok(number as u32)
-    } else {
-        Err(format!("{number} is out of range: give a whole number from 1 to {}", u32::MAX - 1))
-    }
+    digits.parse::<f64>().ok().map(|number| number * factor)
 }
 
 /// As [`count`], or one of the names.

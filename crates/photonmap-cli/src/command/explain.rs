@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::args::ExplainArgs;
 use crate::command::{decided, render};
 use crate::fault::Fault;
-use crate::{load, memory, stdout};
+use crate::{load, memory, signals, stdout};
 
 /// Prints what the scene requires with these settings, what is left out, how photons are distributed over lights, and which
 /// settings are decided if `may_decide` and the options leave any open.
@@ -15,6 +15,7 @@ use crate::{load, memory, stdout};
 /// As [`load::scene_within`], and invalid settings; if something is decided also those of a pass.
 pub fn run(args: &ExplainArgs, may_decide: bool) -> Result<(), Fault> {
     let begun = Instant::now();
+    signals::end_while_loading()?;
     let mut settings = args.settings.settings()?;
     let size = args.settings.picture.size;
     let limit = args.machine.memory.map(|cap| move || memory::for_loading(cap, size));

@@ -1,8 +1,8 @@
 //! Files are written atomically; errors name those that are read.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read as _};
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::support::{channels, folder, passes, photonmap, refused, render};
 
@@ -45,6 +45,43 @@ fn an_interrupt_leaves_a_valid_picture() {
         let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
         assert_eq!(report["cancelled"], true);
         assert!(report["passes"].as_u64().unwrap() >= 1);
+    }
+}
+
+/// While a scene is loaded there is nothing to write: the program ends at once, with a line.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_while_loading_ends_at_once() {
+    let folder = folder("interrupt-loading");
+    let (scene, picture) = (folder.join("large.obj"), folder.join("a.png"));
+    // Loading takes seconds.
+    let vertices = (0..400_000).map(|i| format!("v {} {} {}\n", i % 631, i / 631, i % 97));
+    let faces = (1..399_000).map(|i| format!("f {i} {} {}\n", i + 1, i + 632));
+    std::fs::write(&scene, vertices.chain(faces).collect::<String>()).unwrap();
+    for (signal, command) in [("INT", "render"), ("TERM", "render"), ("HUP", "explain")] {
+        let mut program = photonmap(command);
+        program.arg(&scene).args(["--backend", "cpu"]);
+        if command == "render" {
+            program.arg("-o").arg(&picture);
+        }
+        let mut child = program.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let process = child.id().to_string();
+        // Until it handles SIGINT, which is signal 2.
+        let handles = || {
+            let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+            let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+            u64::from_str_radix(caught.trim(), 16).unwrap() & 2 != 0
+        };
+        while !handles() {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let begun = Instant::now();
+        assert!(Command::new("kill").args([&format!("-{signal}"), &process]).status().unwrap().success());
+        let mut text = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut text).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}: {text}");
+        assert_eq!(text, "interrupted while loading; nothing was written\n", "{signal}");
+        assert!(begun.elapsed() < Duration::from_secs(5) && !picture.exists(), "{signal}");
     }
 }
 

@@ -8,8 +8,9 @@ use photon_core::memory::{self, OutOfMemory};
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,
-    QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SkipLimit, SurfaceInteraction, Vertex, View, Wavelength,
-    anisotropy, gloss_caustics, most_total_reflections, octahedral, sampling, shading_normal, shadow_terminator,
+    QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SkipLimit, SurfaceInteraction, Vertex, View,
+    Wavelength, anisotropy, gloss_caustics, most_total_reflections, octahedral, sampling, shading_normal,
+    shadow_terminator,
 };
 use rayon::prelude::*;
 

@@ -7,8 +7,8 @@ use photon_core::memory::OutOfMemory;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
     Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Layer, Layers, Lobe, MapKind, Maps,
-    MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, SkipLimit, Vertex, Wavelength, glossy,
-    most_total_reflections, octahedral, offset, sampling, shading_normal,
+    MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, SkipLimit, Vertex, Wavelength,
+    glossy, most_total_reflections, octahedral, offset, sampling, shading_normal,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};

@@ -18,7 +18,7 @@ use crate::{Vulkan, shaders};
 specialized!(media_constants: MediaConstants => PROBE_MEDIA, 2 function: u32, 3 media: MediaFeatures; default shared_groups);
 
 /// Coefficients of Sellmeier's formula.
-const BK7: [f32; 6] = [1.039_612_1, 0.231_792_34, 1.010_469_4, 0.006_000_698_7, 0.020_017_914, 103.560_65];
+const BK7: [f32; 6] = [1.039_612, 0.231_792_34, 1.010_469_4, 0.006_000_698_7, 0.020_017_914, 103.560_65];
 
 /// The vacuum and media of various indices, with three priorities.
 static MEDIA: LazyLock<Vec<Medium>> = LazyLock::new(|| {

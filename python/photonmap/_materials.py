@@ -109,7 +109,8 @@ class Material:
         both = bool(self.emits_both_sides)
         cutoff = None if self.alpha_cutoff is None else number("alpha_cutoff", self.alpha_cutoff)
         textures = (self._textures(builder, name, added), number("normal_scale", self.normal_scale), cutoff)
-        return builder.material(name, surface, emission, both, coat, sheen, *self._transmission(), textures)
+        glass = (*self._transmission(), self._dispersion())
+        return builder.material(name, surface, emission, both, coat, sheen, *glass, textures)
 
     def _textures(self, builder: Any, name: str, added: dict[Any, int]) -> list[tuple[str, int, int]]:
         """Uses, numbers and UV sets of the textures. `added` has those of other materials."""
@@ -127,6 +128,10 @@ class Material:
                 added[key] = made._add_to(builder, f"{use} of {name}", is_color)
             result.append((use, added[key], texture.uv_set))
         return result
+
+    def _dispersion(self) -> list[float]:
+        """None, or the 1, 2 or 6 numbers of a formula."""
+        return []
 
     def _transmission(self) -> tuple[tuple[float, Any], tuple[float, Any]]:
         """Share and colour of diffuse transmission, share and absorption of glass."""
@@ -168,6 +173,9 @@ class Glass(Material):
 
     `ior`: refractive index. `absorption`: per unit of length. `tint` multiplies the light at each crossing. `roughness` in
     [0, 1]; 0 is smooth.
+
+    Light is dispersed by at most one of `abbe`, the Abbe number, > 0; `cauchy`, `(A, B)` of n = A + B/λ²; and `sellmeier`,
+    `(B1, B2, B3, C1, C2, C3)` of n² = 1 + Σ Bλ²/(λ² − C), λ in micrometres. The last two replace `ior`. Not for thin panes.
     """
 
     ior: float = 1.5
@@ -175,6 +183,23 @@ class Glass(Material):
     absorption: Any = 0.0
     roughness: float = 0.0
     thin: bool = False
+    abbe: float | None = None
+    cauchy: Any = None
+    sellmeier: Any = None
+
+    def _dispersion(self) -> list[float]:
+        formulas = (("abbe", 1), ("cauchy", 2), ("sellmeier", 6))
+        given = [(name, count) for name, count in formulas if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise InputError(f"glass has both {given[0][0]} and {given[1][0]}; give one of abbe, cauchy and sellmeier")
+        if not given:
+            return []
+        [(name, count)] = given
+        value = getattr(self, name)
+        terms = [number(name, term) for term in np.ravel(np.asarray(value, dtype=object))]
+        if len(terms) != count:
+            raise InputError(f"{name} is {value!r}, but must be {'a number' if count == 1 else f'{count} numbers'}")
+        return terms
 
     def _surface(self) -> tuple[str, Any, Any, float, float, float]:
         if number("clearcoat", self.clearcoat) != 0 or any(triple("sheen", self.sheen)):

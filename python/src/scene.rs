@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
-    CameraDesc, EnvironmentDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection,
+    CameraDesc, Dispersion, EnvironmentDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection,
     ReportKind, Scene, SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin,
     builtin_names, load_builder_with,
 };
@@ -91,7 +91,7 @@ impl RawBuilder {
 
     /// Adds a material and returns its number. `surface`: kind, colour, second colour, ior, roughness, specular. `clearcoat`:
     /// weight and roughness; `sheen`: colour and roughness; `diffuse_transmission`: share and colour; `transmission`: share
-    /// and absorption; `textures`: see [`TextureUses`].
+    /// and absorption; `dispersion`: no number, or the 1, 2 or 6 of its formula; `textures`: see [`TextureUses`].
     #[expect(clippy::too_many_arguments, reason = "called by Python alone, by position")]
     fn material(
         &mut self,
@@ -103,6 +103,7 @@ impl RawBuilder {
         sheen: ([f64; 3], f64),
         diffuse_transmission: (f64, [f64; 3]),
         transmission: (f64, Option<[f64; 3]>),
+        dispersion: Vec<f64>,
         textures: TextureUses,
     ) -> PyResult<usize> {
         let (kind, color, second, ior, roughness, specular) = surface;
@@ -124,6 +125,13 @@ impl RawBuilder {
             .with_sheen(sheen.0, sheen.1)
             .with_diffuse_transmission(diffuse_transmission.0, diffuse_transmission.1)
             .with_transmission(transmission.0, transmission.1);
+        let desc = match dispersion[..] {
+            [] => desc,
+            [abbe] => desc.with_dispersion(Dispersion::Abbe(abbe)),
+            [a, b] => desc.with_dispersion(Dispersion::Cauchy([a, b])),
+            [b1, b2, b3, c1, c2, c3] => desc.with_dispersion(Dispersion::Sellmeier([b1, b2, b3, c1, c2, c3])),
+            _ => return Err(Failure::input("a formula of dispersion has 1, 2 or 6 numbers").into()),
+        };
         let desc = texture::used(desc, textures, &self.textures)?;
         self.materials.push(self.builder.material(desc));
         Ok(self.materials.len() - 1)

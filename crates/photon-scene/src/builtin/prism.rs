@@ -44,7 +44,7 @@ pub(super) fn prism() -> SceneBuilder {
     let h = 0.75_f64.sqrt() * SIDE;
     let place = |x: f64, z: f64| turned.rotate(DVec2::new(x, z)).to_array();
     let corners = [place(-SIDE / 2., -h / 3.), place(0., 2. * h / 3.), place(SIDE / 2., -h / 3.)];
-    // Slightly above the table: if they touched, it would be ambiguous which one a ray hits.
+    // A film of air lies between it and the table.
     add(&mut scene, "prism", extruded(&corners, 0, 0.002, HEIGHT), glass);
     let [_, z] = place(-SIDE / 4., h / 6.);
     // From near the table to near the top of the prism, and three that graze the table.

@@ -8,7 +8,7 @@ use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
 use super::scenes::{Put, mean, studio};
 use super::sheet::Sheet;
-use crate::harness::{TestBackend, film, look_at_point, per_pass, watts};
+use crate::harness::{InFull, TestBackend, film, look_at_point, per_pass, watts};
 use crate::stats::{SIGMAS, moments, standard_error};
 use crate::{determinism, numerics};
 
@@ -100,7 +100,7 @@ fn unequal_lights<T: TestBackend>(sheet: &mut Sheet) {
         let photons = sheet.either(30_000, 100_000);
         let by_map = Settings { direct: Direct::Photons, alpha: 1.0, estimator, photons, ..base.clone() };
         // As many passes as for rays: with 8, the standard error itself is too uncertain.
-        let map = per_pass::<T>(&scene, &by_map, passes, 4);
+        let map = per_pass::<InFull<T>>(&scene, &by_map, passes, 4);
         let mut good = true;
         let mut found = Vec::new();
         // Curvature: the field is (1 + r²)^(−3/2) at distance r from the point below the light; averaged with the

@@ -74,6 +74,7 @@ impl Dispersion {
     }
 
     /// 20 divided by the Abbe number, as glTF has it: 0 without dispersion, and where the index rises with the wavelength.
+    #[cfg(any(test, feature = "files"))]
     pub(crate) fn strength(self, ior: f64) -> f64 {
         if let Self::Abbe(abbe) = self {
             return 20.0 / abbe;

@@ -778,7 +778,9 @@ size_t pm_last_error(char *text, size_t room);
  * without a camera gets one that shows all of it, and one without a light an even environment, of which pm_scene_report()
  * has a line. Paths are UTF-8. `*scene` is to be freed with pm_scene_free().
  */
-PmStatus pm_scene_load(const char *file, const char *overrides, struct PmScene **scene);
+PmStatus pm_scene_load(const char *file,
+                       const char *overrides,
+                       struct PmScene **scene);
 
 /**
  * As pm_scene_load(), with options, which may be NULL.
@@ -861,7 +863,10 @@ PmStatus pm_builder_camera(struct PmBuilder *builder, const struct PmCamera *cam
  * "constant", of radiance 1, or "constant:R,G,B"; or a clear sky with its sun, "sky:ELEVATION,TURBIDITY", in degrees and
  * from 1 to 10. `rotate`: degrees, counter-clockwise as seen from +y. `scale`: factor on the light, such as 1.
  */
-PmStatus pm_builder_environment(struct PmBuilder *builder, const char *light, double rotate, double scale);
+PmStatus pm_builder_environment(struct PmBuilder *builder,
+                                const char *light,
+                                double rotate,
+                                double scale);
 
 /**
  * Applies the text of an override file: an environment, lights and cameras, and changes of materials that were added
@@ -874,7 +879,8 @@ PmStatus pm_builder_overrides(struct PmBuilder *builder, const char *toml);
  * even environment of radiance 1, of which pm_scene_report() has a line. The builder may be changed and built again. `*scene`
  * is to be freed with pm_scene_free().
  */
-PmStatus pm_builder_build(const struct PmBuilder *builder, struct PmScene **scene);
+PmStatus pm_builder_build(const struct PmBuilder *builder,
+                          struct PmScene **scene);
 
 /**
  * Frees a builder; NULL is ignored.

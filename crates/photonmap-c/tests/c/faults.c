@@ -103,7 +103,7 @@ static void scenes(void)
 
     BAD(pm_builder_new(NULL), "NULL");
     OK(pm_builder_new(&builder));
-    PmMaterial white = {sizeof white, "white", PM_MATERIAL_LAMBERT, 0, {.5, .5, .5}, {0, 0, 0}, 0, {0, 0, 0}, 0, 0, 0, 0};
+    PmMaterial white = {sizeof white, "white", PM_MATERIAL_LAMBERT, 0, {.5, .5, .5}, {0, 0, 0}, 0, {0, 0, 0}, 0, 0, 0, 0, 0, {0}};
     PmMaterial wrong = white;
     BAD(pm_builder_material(builder, NULL, NULL), "PmMaterial is NULL");
     BAD(pm_builder_material(NULL, &white, NULL), "builder is NULL");

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
-    CameraDesc, Dispersion, EnvironmentDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection,
-    ReportKind, Scene, SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin,
-    builtin_names, load_builder_with,
+    CameraDesc, Dispersion, EnvironmentDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides,
+    Projection, ReportKind, Scene, SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes,
+    builtin, builtin_names, load_builder_with,
 };
 use photonmap_cli::args::EnvironmentName;
 use photonmap_cli::summary::summed_up;

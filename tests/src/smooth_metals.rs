@@ -181,7 +181,7 @@ pub fn v1_metals_brighten_towards_grazing<T: TestBackend>() {
         look_at_point(&mut builder, [1.0, 0.1, 0.0], [-1.0, 0.0, 0.0], 0.01, 0.002);
         let mut settings = direct_settings(Direct::None, 0.05);
         settings.photons = 60_000;
-        let values = per_pass::<T>(&builder.build().unwrap(), &settings, 16, 2);
+        let values = per_pass::<InFull<T>>(&builder.build().unwrap(), &settings, 16, 2);
         let truth = reflectance * along / PI;
         let (found, error) = (moments(&values).0, standard_error(&values));
         assert_agrees(name, found, truth, error, 3e-3 * truth);

@@ -2,7 +2,7 @@
 //! scaled.
 //!
 //! Photons that fall perpendicularly on layers split at each interface by Fresnel's equations, so that the light which passes
-//! is a geometric series; see [`passes`].
+//! is a geometric series.
 
 use photon_core::glam::{DMat3, DVec3};
 use photon_core::{EnvironmentMap, Estimator, Pipeline, Render, Settings, View};

@@ -303,7 +303,7 @@ class Scene:
         return f"Scene({source}{len(self._calls)} additions)"
 
 
-def _limit(memory: int | None) -> int | None:
+def _limit(memory: float | None) -> int | None:
     """A number of bytes that fits into 64 bits."""
     if memory is None:
         return None

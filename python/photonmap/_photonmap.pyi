@@ -77,6 +77,7 @@ class RawBuilder:
         sheen: tuple[_Vector, float],
         diffuse_transmission: tuple[float, _Vector],
         transmission: tuple[float, _Vector | None],
+        dispersion: list[float],
         textures: tuple[list[tuple[str, int, int]], float, float | None],
     ) -> int: ...
     def texture_bytes(

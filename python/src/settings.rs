@@ -41,7 +41,7 @@ pub(crate) fn parse(json: &str) -> Result<Settings, Failure> {
     read(json).map_err(|why| Failure::input(format!("settings: {why}")))
 }
 
-/// The same; the error is a text without the position, since it is that of text which the user has not seen.
+/// The settings in a JSON text; errors lack the position, since it is that of text which the user has not seen.
 fn read(json: &str) -> Result<Settings, String> {
     serde_json::from_str(json).map_err(|why| why.to_string().split(" at line ").next().unwrap_or_default().to_owned())
 }

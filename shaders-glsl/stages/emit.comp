@@ -49,7 +49,7 @@ vec3 before_disc(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, float radius
     return before;
 }
 
-// The same for a disc of aimed photons, from as far away as those that are not aimed.
+// The start of a photon behind a disc of aimed photons, from as far away as those that are not aimed.
 vec3 behind_part(vec3 along, vec3 tangent, vec3 bitangent, vec2 at, vec4 disc, float radius) {
     precise float away = radius + (disc.x * along.x + disc.y * along.y + disc.z * along.z);
     precise vec3 behind = disc.xyz + (tangent * at.x + bitangent * at.y) * disc.w - along * away;

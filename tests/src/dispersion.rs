@@ -15,7 +15,7 @@ use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
 /// Angle of incidence on the first face of the prism.
 const INCIDENCE: f64 = 56.41415;
-/// Where the light leaves for the wall, and the wall.
+/// The wall, along x.
 const WALL: f64 = 4.0;
 const HEAVY: Dispersion = Dispersion::Cauchy([1.6, 0.02]);
 
@@ -159,7 +159,7 @@ pub fn p22_prism<T: TestBackend>() {
     let others = [tally.flux_escaped, tally.flux_truncated].map(|flux| flux.value().iter().sum::<f64>());
     let landed = 3.0 * photons.len() as f64;
     assert!((emitted - ended - others[0] - others[1]).abs() < 1e-9 && ended <= landed);
-    // Another prism, one without dispersion, and one of other colours are told apart.
+    // The comparison fails for another prism, one without dispersion, and other colours.
     let other = prism(Dispersion::Cauchy([1.6, 0.0201]));
     assert!(is_spectrum(&other, &through::<T>(&other).0, HEAVY).is_err());
     let plain = prism(Dispersion::Cauchy([HEAVY.index(1.0, 0.55), 0.0]));
@@ -194,7 +194,7 @@ pub fn p24_slab<T: TestBackend>() {
         let mut rays: Vec<PhotonRay> = (0..count).map(|_| ray(from.into(), Vec3::NEG_Y)).collect();
         let (photons, tally) = follow::<T>(&scene, &Settings { max_bounces: 64, ..Settings::default() }, &mut rays);
         assert!(tally.balances());
-        // What the floor reflects is stored elsewhere.
+        // Light that the floor reflects is stored elsewhere.
         let photons = &photons[MapKind::Caustic];
         let passes = |index: f64| {
             let r = ((index - 1.0) / (index + 1.0)).powi(2);

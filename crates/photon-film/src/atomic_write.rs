@@ -153,7 +153,7 @@ fn create(path: &Path) -> io::Result<NamedTempFile> {
     builder.tempfile_in(folder(path)).map_err(|why| without_temporary_name(&why, folder(path)))
 }
 
-/// What is wrong with a folder in which a temporary file could not be made, whose name would tell nothing.
+/// The error about a folder in which no temporary file could be made, without the name of that file.
 fn without_temporary_name(why: &io::Error, folder: &Path) -> io::Error {
     let folder = folder.display();
     let text = match why.kind() {

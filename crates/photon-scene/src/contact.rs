@@ -127,7 +127,7 @@ impl Source<'_> {
         if candidates.is_empty() { (Vec::new(), false) } else { self.among(geometry, &candidates, reach) }
     }
 
-    /// As [`Self::contacts`], among these triangles.
+    /// The contacts among these triangles, and whether the search was given up.
     fn among(&self, geometry: &Geometry, candidates: &[u32], reach: f64) -> (Vec<Contact>, bool) {
         let owners: Vec<u32> = parallel::collect(candidates.len(), |i| geometry.mesh_of(candidates[i]) as u32);
         // Of one medium, entering twice is the same in any order.

@@ -102,7 +102,7 @@ pub struct MaterialDesc {
     /// Where solids overlap, the one of the highest priority applies; among equals, the one that light entered last.
     /// Only for [`Surface::Dielectric`], and where [`Self::transmission_absorption`] makes a solid.
     pub priority: u32,
-    /// How the refractive index depends on the wavelength; `None` if it does not. For solids alone, as [`Self::priority`].
+    /// Formula of the refractive index by the wavelength; `None` if it does not depend on it. For solids alone, as [`Self::priority`].
     pub dispersion: Option<Dispersion>,
     /// Factor on the alpha of the surface, in `[0, 1]`.
     pub alpha: f64,

@@ -388,7 +388,7 @@ typedef struct PmMaterial {
    */
   uint32_t priority;
   /**
-   * How the refractive index depends on the wavelength, one of PM_DISPERSION_… (dielectric; an error for thin).
+   * Formula of the refractive index by the wavelength, one of PM_DISPERSION_… (dielectric; an error for thin).
    */
   uint32_t dispersion;
   /**

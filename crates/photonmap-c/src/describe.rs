@@ -53,7 +53,7 @@ pub struct PmMaterial {
     pub specular: f64,
     /// Where solids overlap, the one with the highest priority counts (dielectric).
     pub priority: u32,
-    /// How the refractive index depends on the wavelength, one of PM_DISPERSION_… (dielectric; an error for thin).
+    /// Formula of the refractive index by the wavelength, one of PM_DISPERSION_… (dielectric; an error for thin).
     pub dispersion: u32,
     /// Its numbers.
     pub dispersion_terms: [f64; 6],

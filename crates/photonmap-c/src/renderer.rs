@@ -28,7 +28,7 @@ pub struct PmRenderer {
     settings: Settings,
     /// The pass after the last one in the film, while passes are in ascending order.
     next: Option<u32>,
-    /// What was lowered for the time.
+    /// The settings that were lowered for the time.
     report: String,
 }
 

@@ -46,8 +46,8 @@ fn sums(on: &mut Vulkan, dispatches: u32) -> Vec<Vec<[f32; 3]>> {
     found.iter().map(read).collect()
 }
 
-/// More parameters than a block of memory holds, in more submissions than are in flight at a time: each dispatch reads its own.
-/// The same where the host cannot write to the device's memory.
+/// More parameters than a block of memory holds, in more submissions than are in flight at a time: each dispatch reads its own,
+/// whether the host or a command writes them.
 #[test]
 fn kernels_read_eight_maps() {
     const DISPATCHES: u32 = 3000;

@@ -165,7 +165,7 @@ impl Interface {
         self.before != self.transmitted && self.is_active && (disperses(self.before) || disperses(self.transmitted))
     }
 
-    /// The same boundary of a solid for light of a wavelength.
+    /// This boundary of a solid for light of a wavelength.
     #[inline]
     #[must_use]
     pub fn at_wavelength(self, media: &[Medium], wavelength: Wavelength) -> Self {

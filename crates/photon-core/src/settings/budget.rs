@@ -16,7 +16,7 @@ pub enum Budget {
     Passes(u32),
     /// As many passes as are needed to emit this many paths, ≥ 1.
     Photons(u64),
-    /// As many passes as end within this duration; the first one always runs, with fewer paths and rays if it would take too long
+    /// All passes that end within this duration; the first one always runs, with fewer paths and rays if it would take too long
     /// ([`crate::Render::lower`]).
     Time(Duration),
     /// As many passes as are needed until the estimated error ([`crate::ConfidenceInterval`]) is small

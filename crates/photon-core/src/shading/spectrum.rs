@@ -5,7 +5,7 @@
 //! density b of that channel. Each channel is then multiplied by `b(λ)/Σ w b(λ)`: right on average, and the sum of the
 //! channels is unchanged. The densities are the positive parts of the colour matching functions of Rec. 709.
 //!
-//! Where both the photons and the camera path disperse, each draws its own wavelength: right for either path by itself.
+//! The photons and the camera path draw wavelengths of their own, if both disperse: right for either path by itself.
 
 use std::sync::OnceLock;
 

@@ -12,8 +12,8 @@ const SF11: [f64; 6] = [1.737_596_95, 0.313_747_346, 1.898_781_01, 0.013_188_707
 /// Length of the prism's sides, and its height.
 const SIDE: f64 = 0.3;
 const HEIGHT: f64 = 0.34;
-/// Where the light comes from, along x.
-const LAMP: f64 = -1.5;
+/// The lights, along x.
+const SOURCE: f64 = -1.5;
 /// Angle of the cones of light: 12 millimetres at the prism.
 const CONE: f64 = 0.008;
 /// The wall behind.
@@ -25,7 +25,7 @@ pub(super) fn prism() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let table = scene.material(MaterialDesc::lambert("table", [0.50, 0.48, 0.45]));
     let wall = scene.material(MaterialDesc::lambert("wall", [0.75, 0.75, 0.75]));
-    let metal = scene.material(MaterialDesc::lambert("lamp", [0.06, 0.06, 0.07]));
+    let housing = scene.material(MaterialDesc::lambert("housing", [0.06, 0.06, 0.07]));
     let flint = Dispersion::Sellmeier(SF11);
     let glass = scene.material(MaterialDesc::glass("flint", 1.5).with_dispersion(flint));
     let glow = scene.material(MaterialDesc::emissive("light", [0.0; 3], [1.2; 3]));
@@ -35,7 +35,7 @@ pub(super) fn prism() -> SceneBuilder {
     scene.quad("wall", [[-x, 0., WALL], [x, 0., WALL], [x, 2., WALL], [-x, 2., WALL]], wall);
     // Dim light from above, by which the room is seen.
     scene.quad("light", [[-1., 2.2, -0.6], [1., 2.2, -0.6], [1., 2.2, 1.0], [-1., 2.2, 1.0]], glow);
-    add(&mut scene, "lamp", cuboid([LAMP - 0.25, 0.002, -0.06], [LAMP - 0.01, HEIGHT, 0.16]), metal);
+    add(&mut scene, "housing", cuboid([SOURCE - 0.25, 0.002, -0.06], [SOURCE - 0.01, HEIGHT, 0.16]), housing);
 
     // The light that enters in the middle of a side passes parallel to the base: it meets that side at an angle whose sine is
     // half the refractive index, and 30° of it are from the side's own direction.
@@ -52,7 +52,7 @@ pub(super) fn prism() -> SceneBuilder {
     let grazing = [0.9, 1.4, 2.2].map(|reach| (0.04, -0.04 / reach));
     for (number, (y, slope)) in level.chain(grazing).enumerate() {
         let ray = LightDesc::Spot {
-            position: [LAMP, y, z],
+            position: [SOURCE, y, z],
             direction: [1.0, slope, 0.0],
             intensity: [200.0; 3],
             inner_angle: 0.7 * CONE,

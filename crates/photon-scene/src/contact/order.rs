@@ -50,7 +50,7 @@ pub(super) fn levels(patches: &[Patch<'_>], pairs: &[Pair]) -> Option<Levels> {
         let Levels { levels, is_wet } = levels(&turned, &pairs)?;
         return Some(Levels { levels: levels.into_iter().map(|level| -level).collect(), is_wet });
     }
-    // What nearly touches comes second.
+    // Surfaces that nearly touch come second.
     let touching: Vec<Pair> = pairs.iter().filter(|pair| !pair.is_apart).copied().collect();
     let ways = [(true, pairs), (true, &touching[..]), (false, pairs), (false, &touching[..])];
     let (levels, film) = ways.into_iter().find_map(|(film, pairs)| Some((sorted(patches, pairs, film)?, film)))?;

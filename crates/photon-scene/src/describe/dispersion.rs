@@ -7,7 +7,7 @@ use super::MaterialDesc;
 /// Wavelengths of the lines F, d and C of Fraunhofer, in micrometres.
 const LINES: [f64; 3] = [0.486_13, 0.587_56, 0.656_27];
 
-/// How the refractive index n of glass depends on the wavelength λ, from 0.38 to 0.78 µm. Where it would be below 1, it is 1.
+/// Formula of the refractive index n of glass by the wavelength λ, from 0.38 to 0.78 µm. Values below 1 become 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Dispersion {
@@ -114,7 +114,7 @@ impl Dispersion {
                 "an Abbe number must be finite and above 0, such as 60; leave it out for glass without dispersion";
             return Some((value, hint));
         }
-        // An invalid index is told as such.
+        // The error for an invalid index is another one.
         if matches!(self, Self::Abbe(_)) && !ior.is_finite() {
             return None;
         }

@@ -331,7 +331,7 @@ fn override_faults() {
     assert!(parse("").and_then(|overrides| load(&obj, Some(&overrides))).is_ok());
 }
 
-/// Formulas of the refractive index: what the table of media has, and what is told.
+/// Formulas of the refractive index in the table of media, and warnings of those below 1.
 #[test]
 fn dispersion_is_overridden() {
     let folder = Folder::new("override-dispersion");
@@ -343,13 +343,13 @@ fn dispersion_is_overridden() {
         let (scene, _) = load(&obj, Some(&overrides)).expect("a scene");
         let found = *material(&scene, "wall");
         assert_eq!(scene.view().media[found.medium as usize].ior, found.ior);
-        let is_told = scene.warnings().iter().any(|text| text.contains("'wall'") && text.contains("below 1"));
-        (scene.view().media[found.medium as usize], is_told)
+        let has_warning = scene.warnings().iter().any(|text| text.contains("'wall'") && text.contains("below 1"));
+        (scene.view().media[found.medium as usize], has_warning)
     };
     let (plain, _) = medium("ior = 1.6");
     assert_eq!(medium("ior = 1.4\ncauchy = [1.6, 0]"), (plain, false), "without a slope there is no dispersion");
-    let (cauchy, is_told) = medium("cauchy = [1.6, 0.02]");
-    assert_eq!((cauchy.dispersion, &cauchy.terms[..2], is_told), (Medium::CAUCHY, &[1.6, 0.02][..], false));
+    let (cauchy, has_warning) = medium("cauchy = [1.6, 0.02]");
+    assert_eq!((cauchy.dispersion, &cauchy.terms[..2], has_warning), (Medium::CAUCHY, &[1.6, 0.02][..], false));
     assert!((cauchy.ior - 1.657_93).abs() < 1e-5, "{}", cauchy.ior);
     let (sellmeier, _) =
         medium("sellmeier = [1.03961212, 0.231792344, 1.01046945, 0.00600069867, 0.0200179144, 103.560653]");

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use crate::fault::{Fault, INTERRUPTED};
 
 /// The flag that is set by Ctrl-C, SIGTERM and SIGHUP. A process has one handler, which later renders share.
-static HEARD: AtomicBool = AtomicBool::new(false);
+static REQUESTED: AtomicBool = AtomicBool::new(false);
 
 /// Whether there is nothing to write yet.
 static LOADING: AtomicBool = AtomicBool::new(false);
@@ -19,10 +19,10 @@ static LOADING: AtomicBool = AtomicBool::new(false);
 pub fn end_while_loading() -> Result<(), Fault> {
     static INSTALLED: Mutex<bool> = Mutex::new(false);
     let mut installed = INSTALLED.lock().unwrap_or_else(PoisonError::into_inner);
-    HEARD.store(false, Ordering::SeqCst);
+    REQUESTED.store(false, Ordering::SeqCst);
     LOADING.store(true, Ordering::SeqCst);
     if !*installed {
-        system::keep_ignoring_hangups(|| ctrlc::set_handler(heard)).map_err(Fault::failure)?;
+        system::keep_ignoring_hangups(|| ctrlc::set_handler(on_signal)).map_err(Fault::failure)?;
         *installed = true;
     }
     Ok(())
@@ -31,16 +31,16 @@ pub fn end_while_loading() -> Result<(), Fault> {
 /// From now on, the first signal sets the flag that is returned, to request the picture so far.
 pub fn stop() -> &'static AtomicBool {
     LOADING.store(false, Ordering::SeqCst);
-    &HEARD
+    &REQUESTED
 }
 
 /// Handles a signal, on a thread of its own. The second one ends the program even if there is something to write.
-fn heard() {
+fn on_signal() {
     if LOADING.load(Ordering::SeqCst) {
         say!("interrupted while loading; nothing was written");
         system::exit(INTERRUPTED.into());
     }
-    if HEARD.swap(true, Ordering::SeqCst) {
+    if REQUESTED.swap(true, Ordering::SeqCst) {
         system::exit(INTERRUPTED.into());
     }
 }

@@ -1,9 +1,9 @@
 //! Solids that are thinner than what is resolved.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec3, Vec3};
-use photon_core::{crossing, offset, parallel};
+use photon_core::{crossing, offset};
 
 use super::pairs::{Contact, corners};
 use super::planes::{Planes, index};
@@ -29,7 +29,7 @@ pub(super) fn mark(source: &Source<'_>, geometry: &Geometry, contacts: &mut [Con
         let [a, b] = contacts[i].triangles.map(|triangle| index(&triangles, triangle));
         planes.join(a, b, false);
     }
-    // The answer is the same for all that are connected; it is that for the largest one.
+    // The answer is the same for all that are connected: that for the largest one.
     let mut plane_of = |i: usize| planes.find(index(&triangles, contacts[i].triangles[0])).0;
     let plane_of: Vec<usize> = own.iter().map(|&i| plane_of(i)).collect();
     let mut largest: BTreeMap<usize, usize> = BTreeMap::new();
@@ -39,38 +39,46 @@ pub(super) fn mark(source: &Source<'_>, geometry: &Geometry, contacts: &mut [Con
             *known = i;
         }
     }
-    let boxes =
-        boxes(source, geometry, &largest.values().map(|&i| medium(contacts[i].triangles[0])).collect::<Vec<_>>());
-    let is_thin = |_, (&plane, &i): (&usize, &usize)| {
-        let contact = &contacts[i];
-        let [first, _] = contact.triangles;
+    let beyond = |(&plane, &i): (&usize, &usize)| {
+        let [first, _] = contacts[i].triangles;
         let up = Vec3::from_array(geometry.primitives[first as usize].0).as_dvec3() * BEYOND;
-        let of = medium(first);
-        let is_outside = |at: DVec3| {
-            let meshes = boxes.iter().filter(|(mesh, low, high)| {
-                source.medium(*mesh) == of
-                    && (1..3).all(|axis| low[axis] <= at[axis] && at[axis] <= high[axis])
-                    && at.x <= high.x
-            });
-            let triangles = meshes.flat_map(|(mesh, ..)| geometry.range(*mesh));
-            triangles.map(|triangle| crossing(corners(geometry, triangle as u32), at)).sum::<i32>() <= 0
-        };
-        (plane, [contact.middle + up, contact.middle - up].into_iter().all(is_outside))
+        [up, -up].map(|up| Point { plane, medium: medium(first), at: contacts[i].middle + up, winding: 0 })
     };
-    let is_thin: BTreeMap<usize, bool> =
-        parallel::map(parallel::threads(), largest.iter(), is_thin).into_iter().collect();
+    let mut points: Vec<Point> = largest.iter().flat_map(beyond).collect();
+    count_windings(source, geometry, &mut points);
+    let inside: BTreeSet<usize> = points.iter().filter(|point| point.winding > 0).map(|point| point.plane).collect();
     for (i, plane) in own.into_iter().zip(plane_of) {
-        contacts[i].is_thin = is_thin[&plane];
+        contacts[i].is_thin = !inside.contains(&plane);
     }
 }
 
-/// The meshes that bound one of these media, with their bounding boxes.
-fn boxes(source: &Source<'_>, geometry: &Geometry, media: &[Option<SolidMedium>]) -> Vec<(usize, DVec3, DVec3)> {
-    let of = |mesh: usize| {
-        let points = geometry.range(mesh).flat_map(|triangle| corners(geometry, triangle as u32));
-        let (low, high) =
-            points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
-        (mesh, low, high)
-    };
-    (0..geometry.mesh_starts.len()).filter(|&mesh| media.contains(&source.medium(mesh))).map(of).collect()
+/// A point beside a plane.
+struct Point {
+    plane: usize,
+    medium: Option<SolidMedium>,
+    at: DVec3,
+    /// How often the boundaries of the medium enclose it.
+    winding: i32,
+}
+
+/// Finds whether the points are in their media, by the triangles that a ray along +x crosses.
+fn count_windings(source: &Source<'_>, geometry: &Geometry, points: &mut [Point]) {
+    points.sort_by(|a, b| a.at.y.total_cmp(&b.at.y));
+    for mesh in 0..geometry.mesh_starts.len() {
+        let medium = source.medium(mesh);
+        if medium.is_none() || points.iter().all(|point| point.medium != medium) {
+            continue;
+        }
+        for triangle in geometry.range(mesh) {
+            let corners = corners(geometry, triangle as u32);
+            let [a, b, c] = corners;
+            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+            let from = points.partition_point(|point| point.at.y < low.y);
+            for point in points[from..].iter_mut().take_while(|point| point.at.y <= high.y) {
+                if low.z <= point.at.z && point.at.z <= high.z && point.medium == medium {
+                    point.winding += crossing(corners, point.at);
+                }
+            }
+        }
+    }
 }

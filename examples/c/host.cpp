@@ -124,8 +124,12 @@ void show_sources(const PmScene *scene) {
     check(pm_scene_info(scene, &info));
     std::vector<uint32_t> meshes(info.triangles), triangles(info.triangles);
     check(pm_scene_triangle_sources(scene, meshes.data(), triangles.data(), info.triangles));
-    std::printf("%zu triangles; the second one is triangle %u of mesh %u\n", info.triangles, triangles[1], meshes[1]);
-    if (info.dropped != 1 || meshes[1] != 0 || triangles[1] != 2) throw std::runtime_error("wrong triangle");
+    // Meshes are in an order of their own.
+    size_t second = 1;
+    while (meshes[second - 1] != 0) ++second;
+    std::printf("%zu triangles; number %zu is triangle %u of mesh %u\n", info.triangles, second, triangles[second],
+                meshes[second]);
+    if (info.dropped != 1 || meshes[second] != 0 || triangles[second] != 2) throw std::runtime_error("wrong triangle");
 }
 
 constexpr uint32_t WIDTH = 48, HEIGHT_PIXELS = 32;

@@ -151,7 +151,9 @@ macro_rules! whole_suite {
                 g1_even_sky_over_glass, light_inside_glass, furnace_with_glass, glow_from_inside,
                 light_through_an_absorber, light_in_an_absorber,
             }
-            touching::{ glass_on_a_floor, layers_in_contact, clear_layers_in_even_light }
+            touching::{
+                glass_on_a_floor, layers_in_contact, clear_layers_in_even_light, the_order_of_meshes_changes_no_bit,
+            }
             dispersion::{
                 p22_prism, p24_slab, even_light_stays_white, gathered_light_stays_white,
                 dispersion_is_required_where_it_is,

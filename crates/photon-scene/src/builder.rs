@@ -7,7 +7,7 @@ use crate::mesh::{Mesh, VertexAttributes};
 use crate::portals::{self, PortalDesc};
 use crate::scene::Scene;
 use crate::texture::{TextureDesc, TextureId};
-use crate::{camera, contact, lights, normalise, shading, solids, validate};
+use crate::{camera, contact, lights, normalise, order, shading, solids, validate};
 use photon_core::{EnvironmentMap, Light, Primitive, Units, light_cdf, shown};
 use std::sync::Arc;
 
@@ -197,6 +197,8 @@ impl SceneBuilder {
     /// [`SceneError`] for any value out of range; it names the material, mesh, light or camera.
     pub fn build(mut self) -> Result<Scene, SceneError> {
         validate::check(&self)?;
+        let mesh_names = self.meshes.iter().map(|mesh| Arc::clone(&mesh.name)).collect();
+        let mesh_sources = order::sort_meshes(&mut self.meshes, &self.materials, &self.textures);
         shading::fold(&mut self.materials, &self.textures);
         shading::fold_alpha(&mut self.materials, &self.textures, &self.meshes);
         let frame = normalise::Frame::new(&self.meshes, &self.lights)?;
@@ -259,7 +261,8 @@ impl SceneBuilder {
             positions: geometry.positions,
             triangles: geometry.triangles,
             mesh_starts: geometry.mesh_starts,
-            mesh_names: self.meshes.into_iter().map(|mesh| mesh.name).collect(),
+            mesh_sources,
+            mesh_names,
             material_names: self.materials.into_iter().map(|material| material.name).collect(),
             materials,
             media,

@@ -22,6 +22,7 @@ mod lights;
 mod load;
 mod mesh;
 mod normalise;
+mod order;
 mod portals;
 mod report;
 #[cfg(feature = "files")]

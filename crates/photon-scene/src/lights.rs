@@ -4,6 +4,7 @@ use crate::describe::{AlphaMode, LightDesc, MaterialDesc, Surface};
 use crate::environment::Sun;
 use crate::error::SceneError;
 use crate::normalise::{Frame, Geometry};
+use crate::order;
 use crate::shading::{Radiances, is_smooth_metal, simplest};
 use crate::validate::unit;
 use glam::DVec3;
@@ -65,7 +66,8 @@ pub(crate) fn table(
         let flags = if material.emits_both_sides { Light::BOTH_SIDES } else { 0 };
         (Light { kind: Light::TRIANGLE, primitive, area: area as f32, flags, ..blank() }, power)
     });
-    let others = sources.lights.iter().map(|(_, desc)| punctual(desc, geometry.radius, frame));
+    let mut others: Vec<_> = sources.lights.iter().map(|(_, desc)| punctual(desc, geometry.radius, frame)).collect();
+    order::sort_lights(&mut others);
     let sun = sources.sun.map(|sun| disc(sun, geometry.radius));
     let sky = sources.environment.map(|map| infinite(map, geometry.radius));
     let all: Vec<(Light, DVec3)> = triangles.chain(others).chain(sun).chain(sky).collect();

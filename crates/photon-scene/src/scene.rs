@@ -12,7 +12,8 @@ use std::sync::Arc;
 /// messages and results.
 ///
 /// Vertices lie in a box of unit size centred at the origin, vertices that no triangle uses are removed, and
-/// triangles are in the order in which meshes were added. Powers are fractions of
+/// the triangles of a mesh follow each other. Meshes and lights are in an order of their own, so that no result depends on
+/// that in which they were added; [`Scene::triangle_sources`] says where triangles come from. Powers are fractions of
 /// [`Units::power`].
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -30,6 +31,8 @@ pub struct Scene {
     pub(crate) radius: f32,
     pub(crate) units: Units,
     pub(crate) mesh_starts: Vec<u32>,
+    /// Index of each mesh in the order in which meshes were added, which is that of their names.
+    pub(crate) mesh_sources: Vec<u32>,
     pub(crate) mesh_names: Vec<Arc<str>>,
     pub(crate) material_names: Vec<String>,
     pub(crate) cameras: Vec<(String, CameraDesc)>,
@@ -136,7 +139,8 @@ impl Scene {
         }
         // Meshes without remaining triangles start at the same index as the next mesh: the last one is right.
         let after = self.mesh_starts.partition_point(|&start| start <= primitive);
-        after.checked_sub(1).and_then(|mesh| self.mesh_names.get(mesh)).map_or("", AsRef::as_ref)
+        let source = after.checked_sub(1).and_then(|mesh| self.mesh_sources.get(mesh));
+        source.and_then(|&source| self.mesh_names.get(source as usize)).map_or("", AsRef::as_ref)
     }
 
     /// Number of triangles that were left out: those without area, and faces within one medium.
@@ -150,20 +154,22 @@ impl Scene {
     pub fn triangle_sources(&self) -> impl Iterator<Item = (u32, u32)> {
         let mut dropped = self.dropped.iter().peekable();
         let ends = self.mesh_starts.iter().skip(1).copied().chain([self.triangles.len() as u32]);
-        self.mesh_starts.iter().zip(ends).zip(0..).flat_map(move |((&start, end), mesh)| {
-            let mut kept = Vec::with_capacity((end - start) as usize);
-            let mut next = 0;
-            while kept.len() < (end - start) as usize {
-                match dropped.next_if(|&&at| at <= [mesh, next]) {
-                    Some(&at) => next += u32::from(at == [mesh, next]),
-                    None => {
-                        kept.push((mesh, next));
-                        next += 1;
+        self.mesh_starts.iter().zip(ends).zip(0..).zip(&self.mesh_sources).flat_map(
+            move |(((&start, end), mesh), &source)| {
+                let mut kept = Vec::with_capacity((end - start) as usize);
+                let mut next = 0;
+                while kept.len() < (end - start) as usize {
+                    match dropped.next_if(|&&at| at <= [mesh, next]) {
+                        Some(&at) => next += u32::from(at == [mesh, next]),
+                        None => {
+                            kept.push((source, next));
+                            next += 1;
+                        }
                     }
                 }
-            }
-            kept
-        })
+                kept
+            },
+        )
     }
 
     /// Names of the meshes, in the order in which they were added.

@@ -11,10 +11,15 @@ fn obj_and_mtl() {
     let path = folder.file("scene.obj", OBJ);
     let (scene, report) = load(&path, None).expect("a scene");
     assert_eq!(scene.view().triangles.len(), 8);
-    assert_eq!(corners(&scene, 0), [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0]]);
-    assert_eq!(corners(&scene, 1), [[0.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]]);
-    assert_eq!(corners(&scene, 2), corners(&scene, 0), "counted from the end, over two lines");
-    assert_eq!((scene.mesh_of_triangle(1), scene.mesh_of_triangle(3)), ("room", "things"));
+    // By mesh and index within that.
+    let sources: Vec<_> = scene.triangle_sources().collect();
+    let triangle = |source| sources.iter().position(|&known| known == source).expect("a triangle");
+    let place = |source| corners(&scene, triangle(source));
+    assert_eq!(place((0, 0)), [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0]]);
+    assert_eq!(place((0, 1)), [[0.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]]);
+    assert_eq!(place((1, 0)), place((0, 0)), "counted from the end, over two lines");
+    let mesh = |source| scene.mesh_of_triangle(triangle(source) as u32);
+    assert_eq!((mesh((0, 1)), mesh((1, 0)), mesh((2, 0))), ("room", "room", "things"));
 
     assert_eq!(
         (material(&scene, "wall").kind, material(&scene, "wall").albedo),

@@ -58,6 +58,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let settings = Settings {
         // Small numbers, so that requested work is not mistaken for a hang.
         photons: u32::from(from.byte()),
+        camera_samples: u32::from(from.byte() % 4),
         shadow_rays: u32::from(from.byte() % 8),
         gather_rays: u32::from(from.byte() % 8),
         max_bounces: u32::from(from.byte()),

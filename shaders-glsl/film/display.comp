@@ -29,7 +29,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     // From a sum to a radiance.
     float factor;
     float exposure;
-    float inverse_passes;
+    float inverse_paths;
 };
 
 layout(push_constant, scalar) uniform Push { Parameters push; };
@@ -56,7 +56,7 @@ void main() {
     if (IS_CLAMPED) radiance = clamp(radiance, 0.0, 1.0);
     uint opacity = 255;
     if (IS_TRANSPARENT) {
-        float alpha = float((push.hits + pixel).at) * push.inverse_passes;
+        float alpha = float((push.hits + pixel).at) * push.inverse_paths;
         radiance = alpha > 0.0 ? radiance / alpha : vec3(0.0);
         opacity = uint(clamp(alpha, 0.0, 1.0) * 255.0 + 0.5);
     }

@@ -70,13 +70,15 @@ uvec4 sampler_words(inout Sampler s, uint block) {
     return words;
 }
 
-// The random word for the wavelength of a path of `domain`, or of its gather ray `ray`: Sampler::wavelength.
+// The random word for the wavelength of a path of `domain`, whose upper half is the camera sample, or of its gather ray `ray`:
+// Sampler::wavelength.
 uint wavelength_word(uvec2 seed, uint pass, uint domain, uint path, uint ray) {
-    uint block = ray << 3 | domain;
-    if (domain == DOMAIN_EYE) {
-        return philox4x32(uvec4(path, block, 0u, DOMAIN_WAVELENGTH), seed).x + pass * WAVELENGTH_STEP;
+    uint block = ray << 3 | domain & 0xFFFFu;
+    uint word = domain & 0xFFFF0000u | DOMAIN_WAVELENGTH;
+    if ((domain & 0xFFFFu) == DOMAIN_EYE) {
+        return philox4x32(uvec4(path, block, 0u, word), seed).x + pass * WAVELENGTH_STEP;
     }
-    return philox4x32(uvec4(path, block, pass, DOMAIN_WAVELENGTH), seed).x;
+    return philox4x32(uvec4(path, block, pass, word), seed).x;
 }
 
 #endif

@@ -58,15 +58,17 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     Queries found;
     Words counts;
     uvec2 seed;
+    // Number of paths that were truncated.
+    LongCounter truncated;
     uint pass;
+    // DOMAIN_EYE, and the camera sample in the upper half.
+    uint domain;
     uint width;
     uint height;
     // Range of rows of this dispatch.
     uint start_row;
     uint end_row;
     uint max_bounces;
-    // Number of paths that were truncated.
-    LongCounter truncated;
 };
 
 layout(push_constant, scalar) uniform Push { Parameters push; };
@@ -111,7 +113,7 @@ bool truncates(Path path) {
 }
 
 uvec4 words(uint pixel, uint branch, uint block) {
-    return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, DOMAIN_EYE), push.seed);
+    return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, push.domain), push.seed);
 }
 
 // The camera ray through a point of the image, both coordinates in [-1, 1].
@@ -249,10 +251,12 @@ void main() {
             if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
             if (path.surfaces == 0 && !REFLECTIONS) {
                 FirstPass first = push.first + pixel;
-                first.normal = normal;
-                first.depth = at.t;
-                first.albedo = material.albedo;
-                first.hits = 1;
+                // Sums over the camera samples of the pass; stale before the first hit.
+                uint hits = first.hits;
+                first.normal = hits == 0 ? normal : first.normal + normal;
+                first.depth = hits == 0 ? at.t : first.depth + at.t;
+                first.albedo = hits == 0 ? material.albedo : first.albedo + material.albedo;
+                first.hits = hits + 1;
             }
             Interface sides = media_interface(push.scene, material, at.front, path.media);
             if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
@@ -260,7 +264,7 @@ void main() {
             }
             if (DISPERSION && media_is_dispersive(push.scene, sides)) {
                 uint key = (pixel << PATHS_LOG2) + path.branch;
-                uint drawn = wavelength_word(push.seed, push.pass, DOMAIN_EYE, key, 0u);
+                uint drawn = wavelength_word(push.seed, push.pass, push.domain, key, 0u);
                 uint wavelength = wavelength_of(path);
                 media_disperse(push.scene, sides, wavelength, path.throughput, drawn);
                 path.total = path.total & 0xFFFFu | wavelength << 16;

@@ -18,6 +18,7 @@ fn settings() -> Settings {
         photons: 6000,
         indirect: Indirect::Gather,
         gather_rays: 2,
+        camera_samples: 2,
         seed: 3,
         caustic_photons,
         ..Settings::default()

@@ -55,7 +55,7 @@ pub(crate) fn rays<T: TestBackend>(
         Some(projection) => on.aimed(&required, settings, projection).unwrap().unwrap().0,
     };
     let mut rays = on.alloc("rays", u64::from(count)).unwrap();
-    let pass = Pass { seed: settings.seed, index: 3, random: settings.random };
+    let pass = Pass { seed: settings.seed, index: 3, random: settings.random, sample: 0 };
     emitter.emit(&mut on, &prepared, &Batch { pass, paths: 5..5 + count }, &mut rays).unwrap();
     let mut out = Vec::new();
     on.download(&rays, &mut out).unwrap();
@@ -261,6 +261,7 @@ pub fn means_are_equivalent<A: TestBackend, B: TestBackend>() {
                     ..Settings::default()
                 },
             ),
+            ("samples", Settings { photons: 5000, camera_samples: 4, ..Settings::default() }),
             (
                 "knn",
                 Settings {
@@ -270,7 +271,7 @@ pub fn means_are_equivalent<A: TestBackend, B: TestBackend>() {
                 },
             ),
         ] {
-            if way == "debiased" && name != "cornell-glass" {
+            if ["debiased", "samples"].contains(&way) && name != "cornell-glass" {
                 continue;
             }
             let (a, b) = (per_pass::<A>(&scene, &settings, 5, 24), per_pass::<B>(&scene, &settings, 5, 24));

@@ -13,6 +13,7 @@ pub mod anisotropy;
 pub mod backends;
 pub mod blocks;
 pub mod bright_texels;
+pub mod camera_samples;
 pub mod caustic_roughness;
 pub mod clearcoat;
 mod closed_room;
@@ -244,6 +245,10 @@ macro_rules! whole_suite {
             }
             mirrors_and_glass::{
                 in_an_even_environment, a_light_in_a_mirror, cut_paths_are_counted, cut_gather_rays_are_counted,
+            }
+            camera_samples::{
+                means_are_those_of_one_sample, maps_are_read_for_the_first_sample, noise_falls_with_their_number,
+                first_surfaces_are_means,
             }
             lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
             views::{ v1_hand_filled_views_are_checked }

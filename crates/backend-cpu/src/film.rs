@@ -134,6 +134,19 @@ impl FilmBackend for Cpu {
         })
     }
 
+    fn average_samples(&mut self, film: &mut CpuFilm, layers: &[Layer], samples: u32) -> Result<()> {
+        let samples_of_pass = f64::from(samples);
+        self.pool.install(|| {
+            film.pending.par_iter_mut().with_min_len(4096).for_each(|pixel| {
+                for &layer in layers {
+                    pixel.layers[layer as usize].iter_mut().for_each(|sum| *sum /= samples_of_pass);
+                }
+            });
+        });
+        film.film.camera_samples = samples;
+        Ok(())
+    }
+
     fn end_pass(&mut self, film: &mut CpuFilm) -> Result<()> {
         self.pool.install(|| {
             if let Some(errors) = &mut film.film.errors {

@@ -30,6 +30,8 @@ pub struct VulkanFilm {
     height: u32,
     units: Units,
     passes: u32,
+    /// Camera paths of a pixel in each pass.
+    camera_samples: u32,
     layers: [Option<Plane>; Layer::ALL.len()],
     first_pass: Memory,
     first_sum: Memory,
@@ -81,6 +83,14 @@ parameters! {
     }
 }
 
+parameters! {
+    struct AveragePush => FILM_AVERAGE {
+        pass: u64,
+        numbers: u32,
+        samples: f32,
+    }
+}
+
 specialized!(accumulate_constants: AccumulateConstants => FILM_ACCUMULATE, 2 from: u32);
 
 specialized!(end_constants: EndConstants => FILM_END, 2 layers: u32);
@@ -102,6 +112,7 @@ impl VulkanFilm {
             height,
             units,
             passes: 0,
+            camera_samples: 1,
             layers,
             first_pass,
             first_sum,
@@ -248,7 +259,10 @@ fn end_kernel(on: &mut Vulkan, layers: u32) -> ComputePipeline {
 }
 
 /// Requests the kernels that add to these layers, from estimates or from values, and end passes.
-pub(crate) fn announce(on: &mut Vulkan, layers: &[Layer], from_estimates: bool, from_values: bool) {
+pub(crate) fn announce(on: &mut Vulkan, layers: &[Layer], from_estimates: bool, from_values: bool, averages: bool) {
+    if averages {
+        average_kernel(on);
+    }
     let wanted = [(FROM_ESTIMATES, from_estimates), (FROM_VALUES, from_values)];
     for (from, _) in wanted.into_iter().filter(|(_, is_wanted)| *is_wanted) {
         accumulate_kernel(on, from);
@@ -259,6 +273,27 @@ pub(crate) fn announce(on: &mut Vulkan, layers: &[Layer], from_estimates: bool, 
 fn dispatch(on: &mut Vulkan, from: u32, push: &AccumulatePush, queries: u64) -> Result<()> {
     let kernel = accumulate_kernel(on, from);
     on.dispatch(&kernel, push, queries.div_ceil(u64::from(GROUP)))
+}
+
+fn average_kernel(on: &mut Vulkan) -> ComputePipeline {
+    on.kernel(&shaders::FILM_AVERAGE, GROUP, &())
+}
+
+/// Divides the current pass of `layers` by its number of camera samples.
+pub(crate) fn average_samples(on: &mut Vulkan, film: &mut VulkanFilm, layers: &[Layer], samples: u32) -> Result<()> {
+    let kernel = average_kernel(on);
+    let numbers = 3 * film.pixels();
+    for plane in layers.iter().filter_map(|&layer| film.layers[layer as usize].as_ref()) {
+        // A picture of more than 2³² numbers is divided in parts.
+        for start in (0..numbers).step_by(1 << 31) {
+            let count = (numbers - start).min(1 << 31);
+            let pass = plane.pass.address() + 4 * start;
+            let push = AveragePush { pass, numbers: count as u32, samples: samples as f32 };
+            on.dispatch(&kernel, &push, count.div_ceil(u64::from(GROUP)))?;
+        }
+    }
+    film.camera_samples = samples;
+    Ok(())
 }
 
 /// Adds the current pass to the sums and starts the next one.
@@ -306,7 +341,7 @@ pub(crate) fn clear(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
 /// Reads back the sums.
 pub(crate) fn read(on: &mut Vulkan, film: &VulkanFilm) -> Result<Film> {
     let mut picture = Film::new(film.width, film.height, film.units)?;
-    picture.passes = film.passes;
+    (picture.passes, picture.camera_samples) = (film.passes, film.camera_samples);
     let sums = film.layers.iter().flatten().flat_map(|plane| (0..6).map(|i| (&plane.sum, i)));
     let planes: Vec<_> = (0..FIRST_PLANES).map(|i| (&film.first_sum, i)).chain(sums).collect();
     read_back::planes(on, &planes, &mut picture.pixels, |at, pixel| {

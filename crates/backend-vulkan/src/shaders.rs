@@ -12,6 +12,9 @@ pub(crate) static EXAMPLE_PHOTONS: Module =
 pub(crate) static FILM_ACCUMULATE: Module =
     Module { name: "film_accumulate", bytes: include_bytes!("../spirv/film_accumulate.spv") };
 
+pub(crate) static FILM_AVERAGE: Module =
+    Module { name: "film_average", bytes: include_bytes!("../spirv/film_average.spv") };
+
 pub(crate) static FILM_BANDWIDTH_BIAS: Module =
     Module { name: "film_bandwidth_bias", bytes: include_bytes!("../spirv/film_bandwidth_bias.spv") };
 
@@ -276,9 +279,10 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// Those of the pipeline.
-pub(crate) static KERNELS: [&Module; 58] = [
+pub(crate) static KERNELS: [&Module; 59] = [
     &DEVICE_COPY,
     &FILM_ACCUMULATE,
+    &FILM_AVERAGE,
     &FILM_BANDWIDTH_BIAS,
     &FILM_BANDWIDTH_CHANGE,
     &FILM_BANDWIDTH_FACTOR,

@@ -20,7 +20,7 @@ fn settings() -> Settings {
 }
 
 fn pass(index: u32) -> Pass {
-    Pass { seed: 17, index, random: RandomKind::Counter }
+    Pass { seed: 17, index, random: RandomKind::Counter, sample: 0 }
 }
 
 fn scene(name: &str) -> Scene {

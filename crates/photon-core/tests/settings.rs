@@ -42,6 +42,8 @@ fn nonsense_is_refused_by_name() {
         ("max-bounces", Settings { max_bounces: u32::MAX, ..base() }),
         ("alpha", Settings { alpha: 0.0, ..base() }),
         ("alpha", Settings { alpha: f64::NAN, ..base() }),
+        ("camera-samples", Settings { camera_samples: 0, ..base() }),
+        ("camera-samples", Settings { camera_samples: 4097, ..base() }),
         ("shadow-rays", Settings { shadow_rays: 0, ..base() }),
         ("shadow-rays", Settings { shadow_rays: 1 << 31, ..base() }),
         ("gather-rays", Settings { gather_rays: 0, ..base() }),

@@ -81,14 +81,14 @@ impl Column {
     }
 
     /// Why bits cannot be a sum of that many passes.
-    pub(crate) fn fault(self, bits: u64, passes: u64) -> Option<String> {
+    pub(crate) fn fault(self, bits: u64, paths: u64) -> Option<String> {
         // Directions, and differences of estimates, have both signs.
         let is_signed = matches!(
             self,
             Self::Normal | Self::Bias | Self::Narrow | Self::Moments(_, Moment::Slope | Moment::Quadrupole)
         );
         if self.is_integer() {
-            return (bits > passes).then(|| format!("is {bits}, but there are {passes} passes"));
+            return (bits > paths).then(|| format!("is {bits}, but there are {paths} camera paths"));
         }
         let value = f64::from_bits(bits);
         let is_valid = value.is_finite() && (is_signed || value >= 0.0);

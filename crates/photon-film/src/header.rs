@@ -171,6 +171,7 @@ pub(crate) fn empty_film(info: &FilmInfo) -> photon_core::Result<Film> {
     }
     film.clamp = info.clamp;
     film.passes = u32::try_from(info.contains.count()).unwrap_or(u32::MAX);
+    film.camera_samples = info.key.camera_samples();
     film.contains = info.contains.clone();
     film.tally = info.tally.clone();
     Ok(film)

@@ -46,6 +46,7 @@ impl FilmKey {
             camera: camera::record(&view.camera),
             settings: entries(&Settings {
                 // The renderer may have fewer.
+                camera_samples: facts.camera_samples,
                 shadow_rays: facts.shadow_rays,
                 gather_rays: facts.gather_rays,
                 ..settings.clone()
@@ -75,6 +76,12 @@ impl FilmKey {
     #[must_use]
     pub fn photons(&self) -> u32 {
         self.photons_per_pass
+    }
+
+    /// Camera paths of a pixel in each pass; 1 where films are from before there was such a setting.
+    #[must_use]
+    pub fn camera_samples(&self) -> u32 {
+        self.settings.get(CAMERA_SAMPLES).map_or(Some(1), |count| count.parse().ok()).unwrap_or(0)
     }
 
     /// Digest of the scene, in hexadecimal.
@@ -135,6 +142,9 @@ impl FilmKey {
         }
         if !self.radii().iter().all(|radius| *radius >= 0.0 && radius.is_finite()) {
             return Err("its radii are not all numbers of at least 0".to_owned());
+        }
+        if self.camera_samples() == 0 {
+            return Err("its number of camera samples is none".to_owned());
         }
         if self.grain == 0 {
             return Err("its grain is 0".to_owned());
@@ -200,6 +210,9 @@ impl FilmKey {
     }
 }
 
+/// Name of the setting of that name.
+const CAMERA_SAMPLES: &str = "camera_samples";
+
 /// Name of the camera among the parts.
 const CAMERA: &str = "camera";
 
@@ -228,6 +241,7 @@ fn entries(settings: &Settings) -> BTreeMap<String, String> {
         // The result is the same.
         scheduling: _,
         random,
+        camera_samples,
         shadow_rays,
         gather_rays,
         irradiance_every,
@@ -241,7 +255,7 @@ fn entries(settings: &Settings) -> BTreeMap<String, String> {
         terminator_offset,
     } = settings;
     // The debug text of a float is the shortest one that is read back as the same bits.
-    let entries: [(&str, &dyn std::fmt::Debug); 22] = [
+    let entries: [(&str, &dyn std::fmt::Debug); 23] = [
         ("estimator", estimator),
         ("radius_factor", radius_factor),
         ("kernel", kernel),
@@ -256,6 +270,7 @@ fn entries(settings: &Settings) -> BTreeMap<String, String> {
         ("max_bounces", max_bounces),
         ("alpha", alpha),
         ("random", random),
+        (CAMERA_SAMPLES, camera_samples),
         ("shadow_rays", shadow_rays),
         ("gather_rays", gather_rays),
         ("irradiance_every", irradiance_every),

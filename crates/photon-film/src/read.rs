@@ -149,14 +149,14 @@ impl<R: Read + Seek> FilmReader<R> {
         }
         let mut bytes = vec![0; width as usize * column.width() * 8];
         let mut row = vec![0_u64; width as usize * column.width()];
-        let passes = self.info.contains.count();
+        let paths = self.info.contains.count().saturating_mul(u64::from(self.info.key.camera_samples()));
         for y in 0..height {
             file.read_exact(&mut bytes).map_err(|error| damaged(&error))?;
             let (words, _) = bytes.as_chunks::<8>();
             row.iter_mut().zip(words).for_each(|(bits, word)| *bits = u64::from_le_bytes(*word));
             // Checksums are right where a broken computer wrote wrong sums.
             if let Some((at, why)) =
-                row.iter().enumerate().find_map(|(at, &bits)| Some((at, column.fault(bits, passes)?)))
+                row.iter().enumerate().find_map(|(at, &bits)| Some((at, column.fault(bits, paths)?)))
             {
                 let x = at / column.width();
                 return Err(damaged(&format!("the sum of the pixel in column {x} and row {y} {why}")));

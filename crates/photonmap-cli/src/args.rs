@@ -159,6 +159,7 @@ impl SettingsArgs {
             alpha: if paper { base.alpha } else { estimate.alpha.unwrap_or(base.alpha) },
             scheduling: photon.scheduling.unwrap_or(base.scheduling),
             random: photon.rng.unwrap_or(base.random),
+            camera_samples: light.camera_samples.unwrap_or(base.camera_samples),
             shadow_rays: light.shadow_rays.unwrap_or(base.shadow_rays),
             gather_rays: light.gather_rays.unwrap_or(base.gather_rays),
             irradiance_every,

@@ -112,7 +112,8 @@ fn irradiance<const SHADED: bool>(
     rays: u32,
     mut occluded: impl FnMut(&Ray, u32) -> bool,
 ) -> [f64; 3] {
-    let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path);
+    let mut sampler =
+        Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Shadow, query.path).of_sample(pass.sample);
     let (mut position, mut normal) = (Vec3::from(query.position), Vec3::from(query.normal));
     let has_shading_normals = SHADED && scene.present.contains(Features::SHADING_NORMALS);
     let shading = if has_shading_normals { octahedral::unpack(query.shading_normal) } else { normal };

@@ -100,7 +100,8 @@ impl EyeTracer<Cpu> for CpuEye {
             });
             traced.collect_into_vec(&mut rows);
         });
-        self.truncated = eye.truncated.into_inner();
+        // Further samples of a pass go on counting.
+        self.truncated = eye.truncated.into_inner() + if pass.sample == 0 { 0 } else { self.truncated };
         queries.clear();
         for row in rows {
             let row: Result<_, OutOfMemory> = row;
@@ -185,7 +186,7 @@ impl Eye<'_> {
     /// The random numbers of a path of pixel `number`.
     pub(super) fn sampler(&self, number: u32, branch: u32) -> Sampler {
         let key = number * QUERIES_PER_PIXEL + branch;
-        Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Eye, key)
+        Sampler::new(RandomKind::Counter, self.pass.seed, self.pass.index, Domain::Eye, key).of_sample(self.pass.sample)
     }
 
     /// The first path of a pixel. `LENS`: the camera has a lens.

@@ -17,7 +17,7 @@ parameters! {
         /// From a sum to a radiance, with the exposure unless that comes after clamping.
         factor: f32,
         exposure: f32,
-        inverse_passes: f32,
+        inverse_paths: f32,
     }
 }
 
@@ -49,7 +49,7 @@ pub(super) fn read(on: &mut Vulkan, film: &mut VulkanFilm, display: &Display, cl
         pixels: pixels as u32,
         factor: finite(factor),
         exposure: finite(exposure),
-        inverse_passes: (1.0 / passes) as f32,
+        inverse_paths: (1.0 / (passes * f64::from(film.camera_samples))) as f32,
     };
     let constants = DisplayConstants {
         layers: film.layer_bits(),

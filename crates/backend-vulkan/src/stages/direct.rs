@@ -1,5 +1,6 @@
 //! Direct light by next-event estimation.
 
+use photon_core::random::Domain;
 use photon_core::{DirectLight, Features, Layer, MediaFeatures, Pass, Query, Result};
 
 use crate::device::ComputePipeline;
@@ -24,11 +25,11 @@ parameters! {
         values: u64,
         seed: u64,
         pass: u32,
+        domain: u32,
         rays: u32,
         start: u32,
         start_ray: u32,
         end_ray: u32,
-        padding: u32,
     }
 }
 
@@ -75,11 +76,11 @@ impl DirectLight<Vulkan> for VulkanDirect {
                     values,
                     seed: pass.seed,
                     pass: pass.index,
+                    domain: Domain::Shadow as u32 | pass.sample << 16,
                     rays: shadow_rays,
                     start: start as u32,
                     start_ray,
                     end_ray: start_ray.saturating_add(rounds).min(shadow_rays),
-                    padding: 0,
                 };
                 on.dispatch(&kernel, &push, chunk.min(capacity - start).div_ceil(u64::from(GROUP)))?;
             }

@@ -1,5 +1,6 @@
 //! Camera paths, traced to the first diffuse surface.
 
+use photon_core::random::Domain;
 use photon_core::{
     Camera, EyeTracer, Features, Layer, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Requirements, Result, Settings,
     View,
@@ -67,13 +68,15 @@ parameters! {
         found: u64,
         counts: u64,
         seed: u64,
+        truncated: u64,
         pass: u32,
+        domain: u32,
         width: u32,
         height: u32,
         start_row: u32,
         end_row: u32,
         max_bounces: u32,
-        truncated: u64,
+        padding: u32,
     }
 }
 
@@ -209,7 +212,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let Some(scratch) = &self.scratch else { return Ok(()) };
         let found = if in_place { queries.data_address() } else { scratch.queries.address() };
 
-        let truncated = self.truncated.start(on, features(&scene.kind, view))?;
+        let truncated = self.truncated.start(on, features(&scene.kind, view), pass.sample > 0)?;
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
         let emission = if finds_light(&scene.kind, view) { film.layer_address(on, Layer::Emission)? } else { 0 };
         let tile_rows = tile_rows_log2(view);
@@ -225,13 +228,15 @@ impl EyeTracer<Vulkan> for VulkanEye {
                 found,
                 counts: scratch.counts.address(),
                 seed: pass.seed,
+                truncated,
                 pass: pass.index,
+                domain: Domain::Eye as u32 | pass.sample << 16,
                 width: view.width,
                 height: view.height,
                 start_row,
                 end_row,
                 max_bounces: self.max_bounces,
-                truncated,
+                padding: 0,
             };
             let tiles_down = (end_row - start_row).div_ceil(1 << tile_rows);
             let tiles = u64::from(view.width.div_ceil(32 >> tile_rows)) * u64::from(tiles_down);

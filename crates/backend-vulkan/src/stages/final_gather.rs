@@ -151,7 +151,7 @@ impl FinalGather<Vulkan> for VulkanGather {
     ) -> Result<()> {
         let length = on.length(queries)?;
         let rays = rays.max(1);
-        let truncated = self.truncated.start(on, scene.kind.features)?;
+        let truncated = self.truncated.start(on, scene.kind.features, false)?;
         if length == 0 || maps.paths.values().all(|&paths| paths == 0) {
             return Ok(());
         }

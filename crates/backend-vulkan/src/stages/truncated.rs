@@ -18,10 +18,11 @@ impl TruncatedPaths {
         Ok(Self { counter: on.memory("truncated paths", 8)?, goes_on: false })
     }
 
-    /// Starts at 0, for paths in a scene with these features, and returns the address of the counter.
-    pub(crate) fn start(&mut self, on: &mut Vulkan, features: Features) -> Result<u64> {
+    /// Starts at 0, or where it was if `continues`, for paths in a scene with these features, and returns the address of the
+    /// counter.
+    pub(crate) fn start(&mut self, on: &mut Vulkan, features: Features, continues: bool) -> Result<u64> {
         self.goes_on = features.intersects(Features::SPECULAR.union(Features::ROUGH_GLASS));
-        if self.goes_on {
+        if self.goes_on && !continues {
             on.fill_words(&self.counter, 0, 8, 0)?;
         }
         Ok(self.counter.address())

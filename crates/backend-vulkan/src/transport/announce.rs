@@ -148,7 +148,7 @@ fn films(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
         add(map.kind.layer(), true);
         shown[map.kind] = true;
     }
-    film::announce(on, &layers, shown.any(), passes.required.shadow_rays || gathers);
+    film::announce(on, &layers, shown.any(), passes.required.shadow_rays || gathers, settings.camera_samples > 1);
     if settings.errors {
         film::errors::announce(on, shown, gathers);
     }

@@ -62,6 +62,13 @@ pub trait FilmBackend: Backend {
         Err(no_errors())
     }
 
+    /// Divides the light that the current pass has added to `layers` by the number of its camera samples, which has added to them
+    /// that often. From now on, each pass of the film counts so many camera paths of a pixel. Not called with one sample.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`].
+    fn average_samples(&mut self, film: &mut Self::Film, layers: &[Layer], samples: u32) -> Result<()>;
+
     /// Ends a pass: its contributions now count in the mean.
     ///
     /// # Errors

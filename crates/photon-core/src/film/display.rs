@@ -94,10 +94,10 @@ impl Film {
     #[must_use]
     pub fn display_clamped(&self, display: &Display, clamp: bool) -> DisplayImage {
         let factor = self.units.radiance_to_user() / f64::from(self.passes.max(1));
-        let passes = f64::from(self.passes.max(1));
+        let paths = self.camera_paths();
         let pixels = parallel::collect(self.pixels.len(), |i| {
             let pixel = &self.pixels[i];
-            display.pixel(pixel.radiance(factor, clamp), (pixel.hits as f64 / passes) as f32)
+            display.pixel(pixel.radiance(factor, clamp), (pixel.hits as f64 / paths) as f32)
         });
         DisplayImage { width: self.width, height: self.height, passes: self.passes, pixels }
     }

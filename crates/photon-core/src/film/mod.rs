@@ -57,7 +57,7 @@ pub struct FilmPixel {
     pub layers: [[f64; 3]; 4],
     /// Sum over passes of the squared radiance, mean of RGB.
     pub square: f64,
-    /// Unit normal of the first visible surface, on the visible side.
+    /// Unit normal of the first visible surface, on the visible side; as the following, a sum over camera paths.
     pub normal: [f64; 3],
     /// Albedo of the first visible surface.
     pub albedo: [f64; 3],
@@ -106,6 +106,8 @@ pub struct Film {
     pub errors: Option<Vec<ErrorPixel>>,
     /// Number of passes in the sums.
     pub passes: u32,
+    /// Camera paths of a pixel in each pass: [`crate::Settings::camera_samples`].
+    pub camera_samples: u32,
     /// Which passes these are; empty if that is not known, as for a film that was filled by hand.
     pub contains: PassSet,
     /// Whether its only pass was cut short, with fewer photons than the settings ask for. Such a film can be shown, but
@@ -136,6 +138,7 @@ impl Film {
             pixels,
             errors: None,
             passes: 0,
+            camera_samples: 1,
             contains: PassSet::default(),
             cut: false,
             tally: FilmTally::default(),
@@ -151,16 +154,17 @@ impl Film {
     pub fn try_clone(&self) -> Result<Self> {
         let pixels = memory::copied(&self.pixels, "copy of the film")?;
         let errors = self.errors.as_deref().map(|errors| memory::copied(errors, "copy of the film: errors"));
-        let Self { width, height, passes, cut, units, clamp, .. } = *self;
+        let Self { width, height, passes, camera_samples, cut, units, clamp, .. } = *self;
         let (contains, tally) = (self.contains.clone(), self.tally.clone());
-        Ok(Self { width, height, pixels, errors: errors.transpose()?, passes, contains, cut, tally, units, clamp })
+        let errors = errors.transpose()?;
+        Ok(Self { width, height, pixels, errors, passes, camera_samples, contains, cut, tally, units, clamp })
     }
 
     /// Adds the passes of another film. If [`Film::contains`] is empty for one of them, the caller has to make sure that
     /// they are different passes. The caller also makes sure that scene, view and settings are the same.
     ///
     /// # Errors
-    /// The film is unchanged then. [`Error::InvalidSetting`] if size or units differ, or only one of them has error
+    /// The film is unchanged then. [`Error::InvalidSetting`] if size, units or camera samples differ, or only one of them has error
     /// statistics; [`Error::CutPass`] if the pass of one of them was cut short; [`Error::PassTwice`] if both contain a
     /// pass.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
@@ -181,7 +185,17 @@ impl Film {
                 hint: "must have error statistics if and only if the film that it is merged into has them",
             });
         }
+        if self.passes > 0 && other.passes > 0 && self.camera_samples != other.camera_samples {
+            return Err(Error::InvalidSetting {
+                name: "merged film",
+                value: format!("{} camera samples a pass", other.camera_samples),
+                hint: "must have the camera samples of the film that it is merged into",
+            });
+        }
         self.contains.merge(&other.contains)?;
+        if other.passes > 0 {
+            self.camera_samples = other.camera_samples;
+        }
         for (mine, theirs) in self.errors.iter_mut().flatten().zip(other.errors.iter().flatten()) {
             mine.add(theirs);
         }
@@ -207,6 +221,11 @@ impl Film {
         self.each(|p| p.radiance(factor, self.clamp))
     }
 
+    /// Number of camera paths of a pixel, at least 1.
+    pub(crate) fn camera_paths(&self) -> f64 {
+        f64::from(self.passes.max(1)) * f64::from(self.camera_samples)
+    }
+
     /// A value of each pixel, by all cores.
     fn each<T: Send>(&self, value: impl Fn(&FilmPixel) -> T + Sync) -> Vec<T> {
         parallel::collect(self.pixels.len(), |i| value(&self.pixels[i]))
@@ -229,8 +248,8 @@ impl Film {
     /// without an environment, the picture is premultiplied with it: the rest of a pixel is black.
     #[must_use]
     pub fn alpha(&self) -> Vec<f32> {
-        let passes = f64::from(self.passes.max(1));
-        self.each(|p| (p.hits as f64 / passes) as f32)
+        let paths = self.camera_paths();
+        self.each(|p| (p.hits as f64 / paths) as f32)
     }
 
     /// Mean distance to the first surface, user space; infinite where no surface was hit.
@@ -254,7 +273,7 @@ impl Film {
     /// Mean albedo of the first surface; 0 where no surface was hit.
     #[must_use]
     pub fn albedo(&self) -> Vec<[f32; 3]> {
-        let n = f64::from(self.passes.max(1));
+        let n = self.camera_paths();
         self.each(|p| p.albedo.map(|x| (x / n) as f32))
     }
 }
@@ -291,6 +310,11 @@ mod tests {
         assert_eq!(film.beauty(), once);
         assert_eq!(film.passes, 2);
         assert!(film.merge(&Film::new(1, 2, film.units).unwrap()).is_err());
+        let eight = Film { camera_samples: 8, ..film.clone() };
+        assert!(film.merge(&eight).unwrap_err().to_string().contains("8 camera samples"));
+        let mut empty = Film::new(2, 1, film.units).unwrap();
+        empty.merge(&eight).unwrap();
+        assert_eq!((empty.camera_samples, film.passes), (8, 2));
     }
 
     #[test]

@@ -61,7 +61,7 @@ impl<B: TransportBackend> Pipeline<B> {
             self.on.keep_errors(&mut self.film)?;
         }
         self.settings.seed = seed;
-        [self.settings.shadow_rays, self.settings.gather_rays] = self.asked_rays;
+        [self.settings.camera_samples, self.settings.shadow_rays, self.settings.gather_rays] = self.asked_rays;
         self.settings.photons = self.asked;
         let radius = radii::given(&self.settings, &self.units);
         self.maps.iter_mut().for_each(|slot| (slot.radius, slot.derived) = (radius, None));

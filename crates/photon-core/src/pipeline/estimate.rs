@@ -25,7 +25,7 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.mark(Some(Stage::Build));
         let paths = sent.per_map();
         let maps = self.build_maps(index, &paths)?;
-        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
+        let pass = Pass::new(&self.settings, index);
         for built in &maps {
             if (queries > 0 || built.reflected) && is_shown(&self.settings, built.kind) {
                 self.show(built, pass)?;

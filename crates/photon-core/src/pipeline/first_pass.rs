@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::film::{Film, FilmPixel, Layer};
 use crate::scene::SceneView;
 use crate::settings::rule::{Circumstances, Decision, FirstPass, Fixed, VISIBLE_CAUSTIC};
-use crate::settings::{Estimator, Settings};
+use crate::settings::{Direct, Estimator, Settings};
 
 /// Pixels of the first pass on a CPU. A share of 5 % of them has a standard error of 0.3 %.
 const PIXELS: f64 = 4096.0;
@@ -48,37 +48,69 @@ impl<B: TransportBackend> Pipeline<B> {
         };
         first.seconds_left = seconds.map_or(f64::INFINITY, |seconds| seconds - begun.elapsed().as_secs_f64());
         let decided = settings.for_time(&within, &first);
-        if (Settings { shadow_rays: decided.shadow_rays, ..begin }) == decided {
-            pipeline.settings.shadow_rays = decided.shadow_rays;
-            pipeline.asked_rays[0] = decided.shadow_rays;
+        let Settings { camera_samples, shadow_rays, .. } = decided;
+        if (Settings { camera_samples, shadow_rays, ..begin }) == decided {
+            (pipeline.settings.camera_samples, pipeline.settings.shadow_rays) = (camera_samples, shadow_rays);
+            pipeline.asked_rays[..2].copy_from_slice(&[camera_samples, shadow_rays]);
         } else {
             pipeline = pipeline.with_settings(scene, decided.clone())?;
         }
         Ok((pipeline, Some(Decision { settings: decided, first })))
     }
 
-    /// Renders a pass into a film of its own: on a GPU a whole one, which takes milliseconds, but for rays of a query beyond a
+    /// Renders a pass twice, with other random numbers, each into a film of its own: on a GPU a whole one, which takes milliseconds, but for rays of a query beyond a
     /// few; otherwise one of few pixels and paths. `None` if it shows no surface.
     fn first_pass(&mut self, is_whole: bool) -> Result<Option<FirstPass>> {
         let small = if is_whole { self.view } else { reduced(self.view, PIXELS) };
         let paths = if is_whole { WHOLE } else { 4 * PIXELS as u32 };
         // Paths that were asked for may be many, of which many more may be aimed.
         let paths = self.settings.photons.min(paths).min(self.paths_of(4.0 * f64::from(paths)));
-        let small = self.small_pass(small, paths)?;
+        let again = self.small_pass(small, paths, 1)?;
+        let small = self.small_pass(small, paths, 0)?;
+        let [camera_noise, map_noise] = noise(&small.film, &again.film, self.settings.direct);
         Ok(shares(&small.film).map(|shares| FirstPass {
+            camera_noise,
+            map_noise,
+            camera_sample_seconds: small.camera_sample,
             photon_seconds: small.whole.photons,
             other_seconds: small.whole.total() - small.whole.photons,
             gather_ray_seconds: small.gather_ray,
-            compile_seconds: self.setup.get(Stage::Compile) + small.compile,
+            compile_seconds: self.setup.get(Stage::Compile) + again.compile + small.compile,
             ..shares
         }))
     }
 }
 
+/// Relative variance of the pixels that show a surface in both of two passes: by the light of camera samples, and by light that is
+/// read from maps.
+///
+/// The variance is half the mean squared difference. Relative to the sum of both passes, no pixel counts more than 1, so that rare
+/// bright ones do not decide alone.
+fn noise(one: &Film, other: &Film, direct: Direct) -> [f64; 2] {
+    let is_sampled = |layer: Layer| layer == Layer::Emission || (layer == Layer::Direct && direct == Direct::Nee);
+    let (mut sum, mut count) = ([0.0; 2], 0_u32);
+    for (a, b) in one.pixels.iter().zip(&other.pixels).filter(|(a, b)| a.hits > 0 && b.hits > 0) {
+        let (mut all, mut gaps) = (0.0, [0.0; 2]);
+        for layer in Layer::ALL {
+            let (a, b) = (grey(a, layer), grey(b, layer));
+            all += a + b;
+            gaps[usize::from(!is_sampled(layer))] += a - b;
+        }
+        if all > 0.0 {
+            count += 1;
+            sum.iter_mut().zip(gaps).for_each(|(sum, gap)| *sum += 2.0 * (gap / all).powi(2));
+        }
+    }
+    sum.map(|sum| sum / f64::from(count.max(1)))
+}
+
+fn grey(pixel: &FilmPixel, layer: Layer) -> f64 {
+    pixel.layers[layer as usize].iter().sum()
+}
+
 /// The shares of kinds of light; `None` if no pixel shows a surface. Each lit pixel counts the same, so that bright ones do not
 /// decide alone.
 fn shares(film: &Film) -> Option<FirstPass> {
-    let grey = |pixel: &FilmPixel, layer: Layer| pixel.layers[layer as usize].iter().sum::<f64>();
     let lit = |pixel: &&FilmPixel| pixel.hits > 0 && Layer::ALL.iter().any(|&layer| grey(pixel, layer) > 0.0);
     let (mut sum, mut count) = (FirstPass::default(), 0_u32);
     for pixel in film.pixels.iter().filter(lit) {

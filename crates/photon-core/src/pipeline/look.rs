@@ -1,4 +1,4 @@
-//! Camera paths and direct light of a pass.
+//! The first camera sample of a pass: camera paths and direct light.
 
 use super::Pipeline;
 use crate::backend::stages::Pass;
@@ -8,7 +8,7 @@ use crate::error::Result;
 impl<B: TransportBackend> Pipeline<B> {
     /// Traces camera paths, and computes direct light. Returns the number of queries, and of paths that were truncated.
     pub(super) fn look(&mut self, index: u32) -> Result<(u64, u64)> {
-        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
+        let pass = Pass::new(&self.settings, index);
         self.on.mark(Some(Stage::Eye));
         self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
         if let Some((_, Some(factors))) = &self.bandwidth {
@@ -20,11 +20,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 self.on.scale_radii(reflections, factors)?;
             }
         }
-        if let Some(direct) = &mut self.stages.direct {
-            self.on.mark(Some(Stage::Direct));
-            let rays = self.settings.shadow_rays;
-            direct.light(&mut self.on, &self.scene, pass, &self.queries, rays, &mut self.film)?;
-        }
+        self.direct_light(pass)?;
         self.on.mark(None);
         Ok((self.on.fill(&self.queries)?.length, self.stages.eye.truncated(&mut self.on)?))
     }

@@ -1,4 +1,4 @@
-//! Fewer paths and rays of a pass that would take longer than there is time.
+//! Fewer camera samples, paths and rays of a pass that would take longer than there is time.
 
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -27,21 +27,27 @@ impl<B: TransportBackend> Pipeline<B> {
         let begun = Instant::now();
         let (small, paths) = (reduced(self.view, PIXELS), self.paths_of(PATHS));
         let left = || time.saturating_sub(begun.elapsed()).as_secs_f64();
-        let mut timed = self.small_pass(small, paths)?.whole;
+        let small_pass = self.small_pass(small, paths, 0)?;
+        let (mut timed, sample) = (small_pass.whole, small_pass.camera_sample);
         // Many photons take longer than in proportion to few, which are in the cache.
         let more = f64::from(self.settings.photons) * (left() / 16.0 / timed.photons).min(1.0);
         if timed.total() > left() / 4.0 && more > 2.0 * f64::from(paths) {
-            timed.photons = self.small_pass(small, more as u32)?.whole.photons;
+            timed.photons = self.small_pass(small, more as u32, 0)?.whole.photons;
         }
         let left = left();
         let most = (left / 2.0).max(LEAST);
-        if timed.total() <= most {
+        let others = f64::from(self.settings.camera_samples - 1);
+        let total = timed.total() + others * sample;
+        if total <= most {
             return Ok(None);
         }
+        // Further camera samples only remove noise that more passes remove too.
+        let fitting = ((most - timed.total()) / sample).clamp(0.0, others) as u32 + 1;
         let shares = shares(&timed, most);
         let lowered = |count: u32, share: f64| ((f64::from(count) * share) as u32).max(1);
         let before = self.settings.clone();
         let settings = &mut self.settings;
+        settings.camera_samples = fitting;
         settings.photons = lowered(before.photons, shares.photons);
         settings.shadow_rays = lowered(before.shadow_rays, shares.shadow_rays);
         settings.gather_rays = lowered(before.gather_rays, shares.gather_rays);
@@ -52,10 +58,10 @@ impl<B: TransportBackend> Pipeline<B> {
                 slot.radius = radii::scaled((by_density * wider).max(least), before.radius_factor as f32);
             }
         }
-        let mut text =
-            format!("a pass would take about {:.1} s, of {left:.1} s that are left; a pass has", timed.total());
+        let mut text = format!("a pass would take about {total:.1} s, of {left:.1} s that are left; a pass has");
         let mut comma = "";
         for (what, before, now) in [
+            ("camera samples", before.camera_samples, self.settings.camera_samples),
             ("paths", before.photons, self.settings.photons),
             ("shadow rays", before.shadow_rays, self.settings.shadow_rays),
             ("final-gather rays", before.gather_rays, self.settings.gather_rays),

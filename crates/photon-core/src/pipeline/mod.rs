@@ -48,9 +48,10 @@ pub struct Pipeline<B: TransportBackend> {
     required: Requirements,
     weights: Weights,
     settings: Settings,
-    /// Paths per pass in the settings, even if fewer fit into memory or time; shadow rays and final-gather rays likewise.
+    /// Paths per pass in the settings, even if fewer fit into memory or time; camera samples, shadow rays and final-gather rays
+    /// likewise.
     asked: u32,
-    asked_rays: [u32; 2],
+    asked_rays: [u32; 3],
     units: Units,
     view: View,
     film: B::Film,
@@ -85,6 +86,7 @@ pub struct Pipeline<B: TransportBackend> {
 
 mod aimed;
 mod announce;
+mod camera_samples;
 mod check;
 mod end;
 mod estimate;
@@ -272,7 +274,7 @@ impl<B: TransportBackend> Pipeline<B> {
             required,
             weights,
             asked: settings.photons,
-            asked_rays: [settings.shadow_rays, settings.gather_rays],
+            asked_rays: [settings.camera_samples, settings.shadow_rays, settings.gather_rays],
             settings,
             view,
             film,
@@ -422,6 +424,7 @@ impl<B: TransportBackend> Render for Pipeline<B> {
             setup: self.setup,
             photons: self.settings.photons,
             aimed: self.aimed_paths(self.settings.photons),
+            camera_samples: self.settings.camera_samples,
             shadow_rays: self.settings.shadow_rays,
             gather_rays: self.settings.gather_rays,
             memory: self.on.memory(&self.scene),
@@ -449,9 +452,11 @@ impl<B: TransportBackend> Pipeline<B> {
             self.on.timings()?;
             return Ok(PassEnd::Cancelled);
         }
-        let seen = self
-            .look(index)
-            .and_then(|(queries, truncated)| Ok((queries, truncated + self.estimate(index, &sent, queries)?)));
+        let seen = self.look(index).and_then(|(queries, mut truncated)| {
+            let gathered = self.estimate(index, &sent, queries)?;
+            truncated = self.other_samples(index)?.unwrap_or(truncated);
+            Ok((queries, truncated + gathered))
+        });
         let (queries, truncated_camera_paths) = match seen {
             Ok(seen) => seen,
             Err(error) => {

@@ -99,7 +99,7 @@ impl<B: TransportBackend> Pipeline<B> {
 
     /// Emits and traces one batch, and appends its photons.
     pub(super) fn send_batch(&mut self, index: u32, aimed: bool, paths: std::ops::Range<u32>) -> Result<()> {
-        let pass = Pass { seed: self.settings.seed, index, random: self.settings.random };
+        let pass = Pass::new(&self.settings, index);
         let batch = Batch { pass, paths };
         let stages = &mut self.stages;
         let aims = stages.aimed.is_some();

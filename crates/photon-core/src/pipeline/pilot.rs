@@ -59,7 +59,7 @@ impl<B: TransportBackend> Pipeline<B> {
         map: &B::PhotonMap,
         visible: &mut Option<Vec<Query>>,
     ) -> Result<f32> {
-        let pass = Pass { seed: self.settings.seed, index: PILOT_PASS, random: self.settings.random };
+        let pass = Pass::new(&self.settings, PILOT_PASS);
         if visible.is_none() {
             self.on.mark(Some(Stage::Eye));
             // What the camera sees of lights belongs to no pass.

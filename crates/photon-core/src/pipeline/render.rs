@@ -130,7 +130,9 @@ pub struct Facts {
     pub photons: u32,
     /// Aimed paths per pass, for caustics; `None`: the other paths fill that map too.
     pub aimed: Option<u32>,
-    /// Shadow rays of a query, which [`Render::lower`] may have lowered.
+    /// Camera samples of a pixel in a pass, which [`Render::lower`] may have lowered.
+    pub camera_samples: u32,
+    /// Shadow rays of a query, likewise.
     pub shadow_rays: u32,
     /// Final-gather rays of a query, likewise.
     pub gather_rays: u32,

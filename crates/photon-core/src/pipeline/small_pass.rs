@@ -1,4 +1,4 @@
-//! A pass of few pixels, paths and rays, which tells how long a whole one takes, and about the light in the picture.
+//! A pass of few pixels, paths and rays and one camera sample, which tells how long a whole one takes, and about the light in the picture.
 
 use super::Pipeline;
 use crate::backend::stages::View;
@@ -14,8 +14,10 @@ const RAYS: u32 = 8;
 /// Results of a small pass.
 pub(super) struct SmallPass {
     pub(super) film: Film,
-    /// Expected seconds of a whole pass.
+    /// Expected seconds of a whole pass with one camera sample.
     pub(super) whole: Seconds,
+    /// Expected seconds of each further camera sample of the whole picture.
+    pub(super) camera_sample: f64,
     /// Seconds of kernels that were compiled.
     pub(super) compile: f64,
     /// Expected seconds of one final-gather ray for each pixel: a ray and an estimate where it lands.
@@ -42,9 +44,9 @@ impl Seconds {
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Renders `paths` paths and the pixels of `small` with random numbers of its own, into a film of its own. Photons that are
+    /// Renders pass `index` with `paths` paths and the pixels of `small` with random numbers of its own, into a film of its own. Photons that are
     /// searched for in derived radii are as many for an estimate as in a whole pass.
-    pub(super) fn small_pass(&mut self, small: View, paths: u32) -> Result<SmallPass> {
+    pub(super) fn small_pass(&mut self, small: View, paths: u32, index: u32) -> Result<SmallPass> {
         let (whole, settings) = (self.view, self.settings.clone());
         let count = |view: View| f64::from(view.width) * f64::from(view.height);
         let pixels = count(whole) / count(small);
@@ -63,7 +65,7 @@ impl<B: TransportBackend> Pipeline<B> {
             let wider = more.sqrt() as f32;
             self.maps.iter_mut().for_each(|slot| slot.radius = radii::scaled(slot.radius, wider));
         }
-        let rendered = self.rendered(paths);
+        let rendered = self.rendered(paths, index);
         self.maps.iter_mut().zip(before).for_each(|(slot, radius)| slot.radius = radius);
         (self.view, self.settings) = (whole, settings);
         std::mem::swap(&mut self.film, &mut film);
@@ -88,17 +90,18 @@ impl<B: TransportBackend> Pipeline<B> {
                 gather_rays: gathered * denser,
                 others: pixels * of(&[Stage::Eye, Stage::Film]) + if is_fixed { 0.0 } else { estimated },
             },
+            camera_sample: pixels * of(&[Stage::Eye]) + direct,
             compile: seconds.get(Stage::Compile),
             gather_ray: pixels * of(&[Stage::Eye, Stage::Estimate]),
         })
     }
 
-    /// One pass of so many paths into the present film.
-    fn rendered(&mut self, paths: u32) -> Result<(Film, StageTimings)> {
+    /// Pass `index` of so many paths into the present film.
+    fn rendered(&mut self, paths: u32, index: u32) -> Result<(Film, StageTimings)> {
         self.on.timings()?;
-        let sent = self.emit_and_trace(0, paths, &mut ())?;
-        let (queries, _) = self.look(0)?;
-        self.estimate(0, &sent, queries)?;
+        let sent = self.emit_and_trace(index, paths, &mut ())?;
+        let (queries, _) = self.look(index)?;
+        self.estimate(index, &sent, queries)?;
         self.on.end_pass(&mut self.film)?;
         let seconds = self.on.timings()?;
         Ok((self.on.read_film(&self.film)?, seconds))

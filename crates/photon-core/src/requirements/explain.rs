@@ -199,6 +199,14 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
             Direct::None => "direct light is left out",
         },
     );
+    say(
+        "further camera samples",
+        settings.camera_samples > 1,
+        &match settings.camera_samples {
+            1 => "a pass has one camera path per pixel".to_owned(),
+            samples => format!("a pass has {samples} camera paths per pixel; photons are read for the first alone"),
+        },
+    );
     let has_normals = !scene.shading.normals.is_empty();
     say(
         "shadow terminator offset",

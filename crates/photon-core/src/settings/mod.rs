@@ -228,7 +228,11 @@ pub struct Settings {
     pub scheduling: Scheduling,
     /// Which random numbers are used.
     pub random: RandomKind,
-    /// Shadow rays per query and pass, in `[1, 4096]`.
+    /// Camera samples of each pixel in a pass, in `[1, 4096]`: independent camera paths with direct light, whose mean counts as
+    /// that of one. Photons are read for the first of them alone, so that many pay where little of the light is theirs.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
+    pub camera_samples: u32,
+    /// Shadow rays per query and camera sample, in `[1, 4096]`.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub shadow_rays: u32,
     /// Final-gather rays per query and pass, in `[1, 4096]`.
@@ -289,6 +293,7 @@ impl Default for Settings {
             alpha: 2.0 / 3.0,
             scheduling: Scheduling::default(),
             random: RandomKind::default(),
+            camera_samples: 1,
             shadow_rays: 2,
             gather_rays: 16,
             irradiance_every: None,
@@ -379,6 +384,8 @@ impl Settings {
         count("max-bounces", self.max_bounces, 65_536, "must lie between 1 and 65536")?;
         let alpha = self.alpha;
         ensure(alpha > 0.0 && alpha <= 1.0, "alpha", number(alpha), "must be above 0 and at most 1")?;
+        let hint = "must lie between 1 and 4096; for more samples, render more passes";
+        count("camera-samples", self.camera_samples, 4096, hint)?;
         count("shadow-rays", self.shadow_rays, 4096, "must lie between 1 and 4096; for more rays, render more passes")?;
         count("gather-rays", self.gather_rays, 4096, "must lie between 1 and 4096; for more rays, render more passes")?;
         if self.bandwidth == Bandwidth::PerPixel {

@@ -30,6 +30,10 @@ const MOST_INDIRECT: f64 = 2.0 / 3.0;
 /// at one point, they take less time than as many camera paths.
 const SHADOW_RAYS: u32 = 8;
 
+/// Most camera samples of a pass. The photons of a pass of which they take as long as half a sample are then less than a hundredth of
+/// it, and a first picture is not late.
+const MOST_CAMERA_SAMPLES: f64 = 64.0;
+
 /// Least number of passes for final gathering: the noise of its rays falls with the number of passes, and is then below the
 /// blotches of a map, whose radii shrink slower.
 const GATHERING_PASSES: f64 = 32.0;
@@ -48,11 +52,14 @@ pub struct Fixed {
     pub indirect: bool,
     /// [`Settings::shadow_rays`].
     pub shadow_rays: bool,
+    /// [`Settings::camera_samples`].
+    pub camera_samples: bool,
 }
 
 impl Fixed {
     /// All of them.
-    pub const ALL: Self = Self { photons: true, area: true, bandwidth: true, indirect: true, shadow_rays: true };
+    pub const ALL: Self =
+        Self { photons: true, area: true, bandwidth: true, indirect: true, shadow_rays: true, camera_samples: true };
 
     /// Those whose fields of [`Settings`] are given, by name.
     #[must_use]
@@ -63,6 +70,7 @@ impl Fixed {
             bandwidth: is_given("bandwidth"),
             indirect: is_given("indirect"),
             shadow_rays: is_given("shadow_rays"),
+            camera_samples: is_given("camera_samples"),
         }
     }
 }
@@ -95,12 +103,35 @@ pub struct FirstPass {
     pub photon_seconds: f64,
     /// The other seconds of such a pass.
     pub other_seconds: f64,
+    /// Expected seconds of each further camera sample of the whole picture: camera paths and shadow rays.
+    pub camera_sample_seconds: f64,
+    /// Relative variance of a pixel by the light that camera samples find, mean over the pixels that show a surface; it is that of
+    /// one sample.
+    pub camera_noise: f64,
+    /// The same by the light that is read from the maps once in a pass.
+    pub map_noise: f64,
     /// Expected seconds of one final-gather ray for each pixel: a ray and an estimate where it lands.
     pub gather_ray_seconds: f64,
     /// Seconds of compiling the kernels that are in use: about those that final gathering takes.
     pub compile_seconds: f64,
     /// Seconds that are left for the render after it; infinite without a limit.
     pub seconds_left: f64,
+}
+
+impl FirstPass {
+    /// The number of camera samples n in a pass for the least variance in a time: a pass takes `a + n s` seconds and has the
+    /// variance `m + c/n`, whose product is least with `n² = a c / (s m)`. At most as many as let a few passes end in time.
+    fn camera_samples(&self) -> u32 {
+        let Self { camera_sample_seconds: sample, camera_noise, map_noise, .. } = *self;
+        let once = (self.photon_seconds + self.other_seconds - sample).max(0.0);
+        if !(camera_noise > 0.0 && sample > 0.0) {
+            return 1;
+        }
+        let best = (once * camera_noise / (sample * map_noise)).sqrt();
+        let in_time = (self.seconds_left / f64::from(Preset::Preview.passes()) - once) / sample;
+        // NaN if there is no other work and no other noise.
+        if best.is_nan() { 1 } else { best.min(in_time).clamp(1.0, MOST_CAMERA_SAMPLES).round() as u32 }
+    }
 }
 
 /// Settings that were decided by the rule, and the facts. Displayed as two lines of plain text.
@@ -115,7 +146,8 @@ pub struct Decision {
 
 impl fmt::Display for Decision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Settings { photons, area, bandwidth, shadow_rays, indirect, gather_rays, .. } = &self.settings;
+        let Settings { photons, area, bandwidth, camera_samples, shadow_rays, indirect, gather_rays, .. } =
+            &self.settings;
         let area = match area {
             Area::Surface => "areas on surfaces",
             Area::Disc => "areas of discs",
@@ -124,7 +156,11 @@ impl fmt::Display for Decision {
             Bandwidth::PerPixel => "radii of each pixel",
             Bandwidth::Shared => "shared radii",
         };
-        write!(f, "settings: {photons} paths a pass, {area}, {radii}, {shadow_rays} shadow rays")?;
+        let samples = if *camera_samples == 1 { "camera sample" } else { "camera samples" };
+        write!(
+            f,
+            "settings: {photons} paths and {camera_samples} {samples} a pass, {area}, {radii}, {shadow_rays} shadow rays"
+        )?;
         if *indirect == Indirect::Gather {
             write!(f, ", {gather_rays} final-gather rays")?;
         }
@@ -154,15 +190,18 @@ impl Settings {
         if !fixed.bandwidth {
             settings.set_bandwidth(is_gpu, self.errors);
         }
+        if !fixed.camera_samples {
+            settings.camera_samples = 1;
+        }
         settings
     }
 
     /// Settings by the facts of the first pass with [`Settings::for_first_pass`].
     ///
     /// Radii are those of each pixel where caustics are visible, and on a GPU everywhere. Where direct light exceeds indirect light there are
-    /// more shadow rays. Within a time, final gathering is taken where indirect light dominates, if there is time enough for it and for
+    /// more shadow rays. Within a time, camera samples are as many as remove most noise in it, final gathering is taken where indirect light dominates, if there is time enough for it and for
     /// compiling its kernels, and paths are fewer if hardly a pass would fit. Decisions depend on shares of the light, but for the
-    /// last two, which depend on seconds too.
+    /// last three, which depend on seconds too.
     #[must_use]
     pub fn for_time(&self, within: &Circumstances, first: &FirstPass) -> Self {
         let Circumstances { is_gpu, fixed, .. } = *within;
@@ -191,6 +230,8 @@ impl Settings {
         if !fixed.indirect && may && first.indirect >= MOST_INDIRECT && is_enough {
             settings.set_bandwidth(false, self.errors);
             settings.indirect = Indirect::Gather;
+        } else if !fixed.camera_samples && settings.indirect != Indirect::Gather {
+            settings.camera_samples = first.camera_samples();
         }
         settings
     }
@@ -210,7 +251,14 @@ impl Settings {
 mod tests {
     use super::*;
 
-    const OPEN: Fixed = Fixed { photons: false, area: false, bandwidth: false, indirect: false, shadow_rays: false };
+    const OPEN: Fixed = Fixed {
+        photons: false,
+        area: false,
+        bandwidth: false,
+        indirect: false,
+        shadow_rays: false,
+        camera_samples: false,
+    };
 
     fn within(seconds: Option<f64>, is_gpu: bool, fixed: Fixed) -> Circumstances {
         Circumstances { seconds, pixels: 512 * 512, is_gpu, fixed }
@@ -256,6 +304,32 @@ mod tests {
     }
 
     #[test]
+    fn camera_samples_balance_time_and_noise() {
+        let samples = |once: f64, sample: f64, camera_noise, map_noise, seconds_left| {
+            let (photon_seconds, other_seconds) = (0.75 * once, 0.25 * once + sample);
+            let noise = FirstPass { camera_sample_seconds: sample, camera_noise, map_noise, ..FirstPass::default() };
+            let first = FirstPass { photon_seconds, other_seconds, seconds_left, ..noise };
+            let of = |within: &Circumstances| Settings::default().for_time(within, &first).camera_samples;
+            assert_eq!(of(&within(None, false, OPEN)), 1, "a number of passes has no time to save");
+            assert_eq!(of(&within(Some(9.0), false, Fixed { camera_samples: true, ..OPEN })), 1);
+            of(&within(Some(9.0), false, OPEN))
+        };
+        assert_eq!(samples(4.0, 1.0, 9.0, 1.0, 1e9), 6);
+        assert_eq!(samples(1.0, 1.0, 1.0, 1.0, 1e9), 1);
+        assert_eq!(samples(1.0, 4.0, 1.0, 9.0, 1e9), 1);
+        // All noise is of the camera, all of the maps, or there is none.
+        assert_eq!(samples(1.0, 1.0, 1.0, 0.0, 1e9), 64);
+        assert_eq!(samples(1.0, 1.0, 0.0, 1.0, 1e9), 1);
+        assert_eq!(samples(1.0, 1.0, 0.0, 0.0, 1e9), 1);
+        // Nothing is done once in a pass.
+        assert_eq!(samples(0.0, 1.0, 1.0, 0.0, 1e9), 1);
+        // In a short time, a preview's passes have to fit.
+        let passes = f64::from(Preset::Preview.passes());
+        assert_eq!(samples(4.0, 1.0, 900.0, 1.0, 10.0 * passes), 6);
+        assert_eq!(samples(4.0, 1.0, 900.0, 1.0, 0.0), 1);
+    }
+
+    #[test]
     fn paths_are_fewer_in_small_pictures_and_short_times() {
         let few = Circumstances { pixels: 100, ..within(Some(9.0), false, OPEN) };
         assert_eq!(Settings::default().for_first_pass(&few).photons, 400);
@@ -292,7 +366,10 @@ mod tests {
         let settings = Settings { photons: 1000, indirect: Indirect::Gather, ..Settings::default() };
         let text = Decision { settings, first }.to_string();
         assert_eq!(text.lines().count(), 2, "{text}");
-        assert!(text.contains("1000 paths a pass") && text.contains("16 final-gather rays"), "{text}");
+        assert!(
+            text.contains("1000 paths and 1 camera sample a pass") && text.contains("16 final-gather rays"),
+            "{text}"
+        );
         assert!(text.contains("8 % of the pixels show caustics") && text.contains("30 % is direct, 70 %"), "{text}");
     }
 }

@@ -13,7 +13,7 @@
 //! | 0 | path: number within the pass for photons; 4 · pixel + branch for camera paths and all that depends on them |
 //! | 1 | block |
 //! | 2 | pass; 2³² − 1 is the pilot, whose photons only determine the first radii |
-//! | 3 | [`Domain`] |
+//! | 3 | [`Domain`], and the camera sample times 2¹⁶ |
 //!
 //! | domain | block | words |
 //! |---|---|---|
@@ -133,6 +133,14 @@ impl Sampler {
         }
     }
 
+    /// The numbers of camera sample `sample` of the pass; those of [`Sampler::new`] are of sample 0.
+    #[inline]
+    #[must_use]
+    pub const fn of_sample(mut self, sample: u32) -> Self {
+        self.domain |= sample << 16;
+        self
+    }
+
     /// Four random words. With the counter, `block` (four dimensions each) selects them; the LCG returns
     /// the next four of its sequence, 31 bits each, shifted to the upper bits of the word.
     #[inline]
@@ -159,14 +167,15 @@ impl Sampler {
         }
     }
 
-    /// The random word for the wavelength of the path, or of its gather ray `ray`. Those of a camera path are stratified over
+    /// The random word for the wavelength of the path, or of its gather ray `ray`. Those of a camera sample are stratified over
     /// the passes.
     #[inline]
     #[must_use]
     pub fn wavelength(&self, ray: u32) -> u32 {
-        let block = ray << 3 | self.domain;
-        let draw = |pass| philox4x32([self.path, block, pass, Domain::Wavelength as u32], self.key)[0];
-        if self.domain == Domain::Eye as u32 {
+        let (domain, sample) = (self.domain & 0xFFFF, self.domain & 0xFFFF_0000);
+        let block = ray << 3 | domain;
+        let draw = |pass| philox4x32([self.path, block, pass, sample | Domain::Wavelength as u32], self.key)[0];
+        if domain == Domain::Eye as u32 {
             return draw(0).wrapping_add(self.pass.wrapping_mul(WAVELENGTH_STEP));
         }
         draw(self.pass)
@@ -250,6 +259,12 @@ mod tests {
             draw(1, 2, Domain::Photon, 3, 5),
         ] {
             assert_ne!(base, other);
+        }
+        let sample = |sample| Sampler::new(RandomKind::Counter, 1, 2, Domain::Eye, 3).of_sample(sample);
+        assert_eq!(sample(0).words(4), draw(1, 2, Domain::Eye, 3, 4));
+        for other in 1..4096 {
+            assert_ne!(sample(other).words(4), sample(0).words(4));
+            assert_ne!(sample(other).wavelength(0), sample(0).wavelength(0));
         }
     }
 }

@@ -126,7 +126,7 @@ fn sums_must_be_numbers() {
         ("normal.npy", |film| film.pixels[0].normal[1] = f64::NAN),
         ("albedo.npy", |film| film.pixels[0].albedo[1] = -1.0),
         ("depth.npy", |film| film.pixels[0].depth = f64::INFINITY),
-        ("hits.npy: the sum of the pixel in column 1 and row 0 is 3, but there are 2 passes", |film| {
+        ("hits.npy: the sum of the pixel in column 1 and row 0 is 3, but there are 2 camera paths", |film| {
             film.pixels[1].hits = 3
         }),
         ("bias.npy", |film| film.errors.as_mut().unwrap()[0].bias = f64::NEG_INFINITY),

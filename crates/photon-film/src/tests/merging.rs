@@ -64,6 +64,7 @@ fn films_that_do_not_fit_are_named() {
         assert!(std::fs::read(&out).unwrap() == before);
     };
     for (other, culprit) in [
+        (render(Settings { camera_samples: 2, ..settings() }, 3), "setting camera_samples is 2, not 1"),
         (render(Settings { shadow_rays: 3, ..settings() }, 3), "setting shadow_rays is 3, not 2"),
         (render(Settings { photons: 600, ..settings() }, 3), "number of photons per pass is 600, not 500"),
         (render(settings(), 4), "size is 4x2, not 3x2"),

@@ -21,6 +21,7 @@ impl SettingsArgs {
             bandwidth: self.estimate.bandwidth.is_some(),
             indirect: self.light.indirect.is_some(),
             shadow_rays: self.light.shadow_rays.is_some(),
+            camera_samples: self.light.camera_samples.is_some(),
         };
         match (preset, target_error, time) {
             // Radii that pixels share are adapted to the target.
@@ -47,6 +48,7 @@ impl SettingsArgs {
         add(self.estimate.bandwidth.is_some(), "bandwidth", &settings.bandwidth);
         add(self.light.indirect.is_some(), "indirect", &settings.indirect);
         add(self.light.shadow_rays.is_some(), "shadow-rays", &settings.shadow_rays);
+        add(self.light.camera_samples.is_some(), "camera-samples", &settings.camera_samples);
         text.trim_start().to_owned()
     }
 }

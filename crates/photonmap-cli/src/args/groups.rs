@@ -227,7 +227,10 @@ pub struct LightArgs {
     /// Indirect light: from the global photon map, by final gathering, or none [default: map].
     #[arg(long, value_parser = choice::<Indirect>(Indirect::ALL.map(Indirect::name)), hide_short_help = true)]
     pub indirect: Option<Indirect>,
-    /// Shadow rays per visible point and pass [default: 2].
+    /// Camera paths with direct light per pixel and pass, up to 4096; photons are read for the first alone [default: 1].
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
+    pub camera_samples: Option<u32>,
+    /// Shadow rays per visible point and camera path [default: 2].
     #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
     pub shadow_rays: Option<u32>,
     /// Start shadow rays at the triangles of meshes with vertex normals, not outside the mesh.

@@ -80,7 +80,12 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     // Said before the first pass.
     warnings.extend(outcome.lowered.clone());
     let facts = renderer.facts();
-    settings = Settings { shadow_rays: facts.shadow_rays, gather_rays: facts.gather_rays, ..settings };
+    settings = Settings {
+        camera_samples: facts.camera_samples,
+        shadow_rays: facts.shadow_rays,
+        gather_rays: facts.gather_rays,
+        ..settings
+    };
 
     let details = Details {
         scene: &args.scene.scene,

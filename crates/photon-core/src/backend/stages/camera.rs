@@ -7,7 +7,7 @@ use crate::scene::layout::Query;
 
 /// Traces camera paths to the first diffuse surface.
 pub trait EyeTracer<B: TransportBackend>: Send {
-    /// Adds the emission seen by the camera to the film, with depth, normal and albedo, and replaces the
+    /// Adds the emission seen by the camera in the sample of `pass` to the film, with depth, normal and albedo, and replaces the
     /// contents of `queries` with the visible points.
     ///
     /// # Errors
@@ -22,7 +22,7 @@ pub trait EyeTracer<B: TransportBackend>: Send {
         queries: &mut B::Buffer<Query>,
     ) -> Result<()>;
 
-    /// Number of paths of the last [`EyeTracer::trace_eye`] that were to go on where they met the last surface that
+    /// Number of paths since [`EyeTracer::trace_eye`] of the last sample 0 that were to go on where they met the last surface that
     /// [`crate::Settings::max_bounces`] allows. The light beyond is missing from the film.
     ///
     /// # Errors

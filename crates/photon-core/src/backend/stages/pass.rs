@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::scene::SceneView;
 use crate::scene::camera::Camera;
 use crate::scene::solids::Solids;
-use crate::settings::RandomKind;
+use crate::settings::{RandomKind, Settings};
 
 /// A range of paths of one pass.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,16 @@ pub struct Pass {
     pub index: u32,
     /// Which random numbers photon paths use.
     pub random: RandomKind,
+    /// Camera sample of each pixel, from 0: photons, estimates and final gathering are those of sample 0.
+    pub sample: u32,
+}
+
+impl Pass {
+    /// Camera sample 0 of pass `index`.
+    #[must_use]
+    pub fn new(settings: &Settings, index: u32) -> Self {
+        Self { seed: settings.seed, index, random: settings.random, sample: 0 }
+    }
 }
 
 /// A camera and the size of its picture.

@@ -26,9 +26,9 @@ pub use backend::kd_tree;
 pub use backend::memory::Costs;
 pub use backend::observer::{Event, Observer, PassReport};
 pub use backend::stages::{
-    Aimed, AreaProbe, Batch, Deposits, DirectLight, Emitter, EstimateBuffers, EstimateParams, EyeTracer, FinalGather,
-    GlossCaustics, IrradiancePoints, KdTreeBuilder, MapStages, Maps, Pass, RadianceEstimator, Search, Stages, Tracer,
-    View,
+    Aimed, AreaProbe, Batch, BeamEstimator, BeamParams, Deposits, DirectLight, Emitter, EstimateBuffers,
+    EstimateParams, EyeTracer, FinalGather, GlossCaustics, IrradiancePoints, KdTreeBuilder, MapStages, Maps,
+    MediaStages, Pass, RadianceEstimator, Search, Stages, Tracer, View,
 };
 pub use backend::tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, TransportBackend};
@@ -55,6 +55,7 @@ pub use requirements::explain::{Need, explain};
 pub use requirements::features::Features;
 pub use requirements::gloss_caustics::roughest_caustic;
 pub use requirements::map_kind::{MapKind, PerMap};
+pub use requirements::map_place::MapPlace;
 pub use requirements::photon_format::PhotonFormat;
 pub use requirements::{Requirements, light_features, material_features};
 pub use scene::camera::Camera;
@@ -93,12 +94,13 @@ pub use shading::reflection_lobe::{ReflectionLobe, Vectors};
 pub use shading::rough_glass::{RoughGlass, RoughSample};
 pub use shading::rough_glass_table::RoughGlassTable;
 pub use shading::scattering::{Scattering, Vertex};
+pub use shading::segment::Segment;
 pub use shading::shade::{Shaded, Shading};
 pub use shading::sheen_lobe::SheenTable;
 pub use shading::spectrum::{Spectrum, SpectrumCell, Wavelength};
 pub use shading::{
-    alpha, anisotropy, area, clearcoat, cosine_warp, fresnel, ggx, gloss_caustics, glossy, light_sampler, light_tree,
-    math, octahedral, offset, partial_transmission, photon_sample, portals, random, rough_glass, sampling, shade,
-    shading_normal, shadow_terminator, sheen, sobol, solid_angle, texture,
+    alpha, anisotropy, area, clearcoat, cosine_warp, equiangular, flight, fresnel, ggx, gloss_caustics, glossy,
+    light_sampler, light_tree, math, octahedral, offset, partial_transmission, phase, photon_sample, portals, random,
+    rough_glass, sampling, segment, shade, shading_normal, shadow_terminator, sheen, sobol, solid_angle, texture,
 };
 pub use shown::shown;

@@ -3,6 +3,7 @@
 use crate::backend::stages::{EstimateParams, View};
 use crate::requirements::Requirements;
 use crate::requirements::map_kind::MapKind;
+use crate::requirements::map_place::MapPlace;
 use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::settings::Settings;
@@ -33,8 +34,8 @@ pub struct Announcement<'a> {
 pub struct AnnouncedMap {
     /// Its kind.
     pub kind: MapKind,
-    /// Whether its photons are those of [`crate::GlossCaustics`].
-    pub is_reflected: bool,
+    /// Where its photons lie.
+    pub place: MapPlace,
     /// Format of its photons.
     pub photon_format: PhotonFormat,
     /// Whether visible points are estimated from it directly.

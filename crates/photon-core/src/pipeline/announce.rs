@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::radius::radii;
 use crate::requirements::Requirements;
 use crate::requirements::features::Features;
+use crate::requirements::map_place::MapPlace;
 use crate::scene::SceneView;
 use crate::settings::Settings;
 
@@ -45,8 +46,9 @@ impl Weights {
         })
     }
 
-    /// Estimate parameters of pass `index` for a map, which may be one for reflections, whose first radius is `radius`.
-    pub(super) fn params(self, settings: &Settings, is_reflected: bool, radius: f32, index: u32) -> EstimateParams {
+    /// Estimate parameters of pass `index` for a map at `place` whose first radius is `radius`.
+    pub(super) fn params(self, settings: &Settings, place: MapPlace, radius: f32, index: u32) -> EstimateParams {
+        let is_reflected = place == MapPlace::Reflection;
         EstimateParams {
             shading_normals: self.shading_normals,
             reflection: is_reflected,
@@ -69,13 +71,13 @@ pub(super) fn announce<B: TransportBackend>(
     let has_reflections = required.gloss_caustics && stages.map.estimator.weighs_reflections();
     let format = required.photon_format.max(photon_format::least(stages));
     let weights = Weights::new(scene, settings, required, has_reflections)?;
-    let slots = MapSlot::<B>::of(&required.maps, has_reflections, 1.0);
+    let slots = MapSlot::<B>::of(&required.maps, has_reflections, stages.media.is_some(), 1.0);
     let maps = slots.iter().map(|slot| AnnouncedMap {
         kind: slot.kind,
-        is_reflected: slot.reflected,
+        place: slot.place,
         photon_format: slot.photon_format(format),
         is_shown: is_shown(settings, slot.kind),
-        gather: weights.params(settings, slot.reflected, slot.radius, 0),
+        gather: weights.params(settings, slot.place, slot.radius, 0),
     });
     let has_pilot = required.maps.any() && radii::need_pilot(settings);
     on.announce(&Announcement { scene, view, settings, required, is_aimed, has_pilot, maps: maps.collect() })

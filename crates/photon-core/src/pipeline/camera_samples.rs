@@ -38,8 +38,15 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
-    /// Adds the light of shadow rays from the queries of a camera sample, if there are any.
+    /// Adds the light of shadow rays from the queries of a camera sample, and from its segments in media, if there are any.
     pub(super) fn direct_light(&mut self, pass: Pass) -> Result<()> {
+        if let (Some(media), Some(segments)) = (&mut self.stages.media, &mut self.segments) {
+            self.on.mark(Some(Stage::Eye));
+            media.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, segments)?;
+            self.on.mark(Some(Stage::Direct));
+            let rays = self.settings.shadow_rays;
+            media.direct.light(&mut self.on, &self.scene, pass, segments, rays, &mut self.film)?;
+        }
         if let Some(direct) = &mut self.stages.direct {
             self.on.mark(Some(Stage::Direct));
             let rays = self.settings.shadow_rays;

@@ -5,7 +5,9 @@ use crate::requirements::features::Features;
 use crate::requirements::gloss_caustics::roughest_caustic;
 use crate::requirements::{Requirements, has_receiver, light_features};
 use crate::scene::SceneView;
-use crate::settings::{Indirect, Settings};
+use crate::scene::media::MediaFeatures;
+use crate::scene::solids::Solids;
+use crate::settings::{Estimator, Indirect, Settings};
 
 /// Lights that camera paths meet, by themselves or by way of mirrors and glass.
 const VISIBLE: Features = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::SUN);
@@ -37,6 +39,39 @@ pub(super) fn check_irradiance(scene: &SceneView<'_>, settings: &Settings) -> Re
         }
         _ => Ok(()),
     }
+}
+
+/// Media that scatter light are rendered with a radius, from photon maps; light from infinity never arrives through a medium
+/// without bounds.
+pub(super) fn check_media(scene: &SceneView<'_>, settings: &Settings) -> Result<()> {
+    let media = Solids::of(scene).features();
+    if media.contains(MediaFeatures::AMBIENT) && Features::of(scene).intersects(Features::INFINITE_LIGHTS) {
+        return Err(Error::InvalidSetting {
+            name: "[medium]",
+            value: "without bounds, in a scene with light from infinity".into(),
+            hint: "no such light would arrive: put the medium into a solid (kind = \"glass\", ior = 1), or use other lights",
+        });
+    }
+    if !media.contains(MediaFeatures::SCATTERING) {
+        return Ok(());
+    }
+    let refuse = |name: &'static str, value: &str, hint: &'static str| {
+        Err(Error::InvalidSetting { name, value: format!("{value}, in a scene with media that scatter light"), hint })
+    };
+    if settings.indirect == Indirect::Gather {
+        return refuse("indirect", "gather", "gather rays do not see such media yet: use --indirect map");
+    }
+    if settings.errors {
+        return refuse("errors", "enabled", "light from media has no error statistics yet: leave it out");
+    }
+    if !matches!(settings.estimator, Estimator::Radius { .. }) {
+        return refuse(
+            "estimator",
+            "not the radius estimator",
+            "photons around a segment are found by a radius: use it",
+        );
+    }
+    Ok(())
 }
 
 /// Whether reflections of this scene show caustics of all lights from photons. Camera paths leave these out, so that stages

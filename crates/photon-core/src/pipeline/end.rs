@@ -35,13 +35,14 @@ impl<B: TransportBackend> Pipeline<B> {
             maps,
             queries,
             reflections,
+            segments,
             estimates,
             error_moments,
             points,
             bandwidth,
             ..
         } = self;
-        drop((stages, film, rays, maps, queries, reflections, estimates, error_moments, points, bandwidth));
+        drop((stages, film, rays, maps, queries, reflections, segments, estimates, error_moments, points, bandwidth));
         (on, scene)
     }
 
@@ -101,9 +102,7 @@ impl<B: TransportBackend> Pipeline<B> {
         if let Some(aimed) = &mut self.stages.aimed {
             aimed.tracer.take_tally(&mut self.on)?;
         }
-        if let Some(caustics) = &mut self.stages.gloss_caustics {
-            caustics.tracer.take_tally(&mut self.on)?;
-        }
+        self.forget_repeated_tallies()?;
         self.on.timings().map(drop)
     }
 }

@@ -7,6 +7,7 @@ use crate::backend::stages::{EstimateBuffers, Maps, Pass};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::requirements::map_kind::{MapKind, PerMap};
+use crate::requirements::map_place::MapPlace;
 use crate::settings::{Direct, Indirect, Settings};
 
 /// Whether visible points are estimated from a map directly, and not only at the hits of final-gather rays.
@@ -27,8 +28,11 @@ impl<B: TransportBackend> Pipeline<B> {
         let maps = self.build_maps(index, &paths)?;
         let pass = Pass::new(&self.settings, index);
         for built in &maps {
-            if (queries > 0 || built.reflected) && is_shown(&self.settings, built.kind) {
-                self.show(built, pass)?;
+            if (queries > 0 || built.place != MapPlace::Surface) && is_shown(&self.settings, built.kind) {
+                match built.place {
+                    MapPlace::Surface | MapPlace::Reflection => self.show(built, pass)?,
+                    MapPlace::Medium => self.show_medium(built)?,
+                }
             }
         }
         let mut truncated = 0;
@@ -50,7 +54,7 @@ impl<B: TransportBackend> Pipeline<B> {
         }
         self.on.mark(Some(Stage::Gather));
         // Light that a glossy surface reflects onto the start of a gather ray is in the caustic map there.
-        let gathered = || maps.iter().filter(|built| !built.reflected);
+        let gathered = || maps.iter().filter(|built| built.place == MapPlace::Surface);
         let irradiance = self.irradiance(gathered, pass)?;
         if let Some(stage) = &mut self.stages.gather {
             let mut photons = PerMap::default();
@@ -69,7 +73,7 @@ impl<B: TransportBackend> Pipeline<B> {
     pub(super) fn reclaim_maps(&mut self, maps: Vec<BuiltMap<B>>) {
         for built in maps {
             let mut slots = self.maps.iter_mut();
-            if let Some(slot) = slots.find(|slot| (slot.kind, slot.reflected) == (built.kind, built.reflected)) {
+            if let Some(slot) = slots.find(|slot| (slot.kind, slot.place) == (built.kind, built.place)) {
                 slot.photons = Some(self.stages.map.builder.reclaim(built.map));
             }
         }
@@ -86,17 +90,17 @@ impl<B: TransportBackend> Pipeline<B> {
                 continue;
             }
             let map = self.stages.map.builder.build(&mut self.on, filled)?;
-            let gather = self.weights.params(&self.settings, slot.reflected, slot.radius, index);
-            let MapSlot { kind, reflected, .. } = *slot;
-            maps.push(BuiltMap { kind, reflected, map, length, gather, paths: paths[kind] });
+            let gather = self.weights.params(&self.settings, slot.place, slot.radius, index);
+            let MapSlot { kind, place, .. } = *slot;
+            maps.push(BuiltMap { kind, place, map, length, gather, paths: paths[kind] });
         }
         Ok(maps)
     }
 
     /// Adds the estimates from one map at the queries to the film.
     pub(super) fn show(&mut self, built: &BuiltMap<B>, pass: Pass) -> Result<()> {
-        let BuiltMap { kind, reflected, map, gather, paths, .. } = built;
-        let queries = if *reflected { self.reflections.as_ref() } else { Some(&self.queries) };
+        let BuiltMap { kind, place, map, gather, paths, .. } = built;
+        let queries = if *place == MapPlace::Reflection { self.reflections.as_ref() } else { Some(&self.queries) };
         let Some(queries) = queries else { return Ok(()) };
         let Some(estimates) = &mut self.estimates else { return Ok(()) };
         self.on.mark(Some(Stage::Estimate));

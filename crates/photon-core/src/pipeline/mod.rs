@@ -26,6 +26,7 @@ use crate::radius::schedule::Schedule;
 use crate::requirements::Requirements;
 use crate::requirements::features::Features;
 use crate::requirements::map_kind::PerMap;
+use crate::requirements::map_place::MapPlace;
 use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::scene::layout::{ErrorMoments, Estimate, PhotonRay, Query};
@@ -73,6 +74,8 @@ pub struct Pipeline<B: TransportBackend> {
     queries: B::Buffer<Query>,
     /// Queries for the reflection of glossy surfaces, with [`crate::GlossCaustics`].
     reflections: Option<B::Buffer<Query>>,
+    /// Segments in media, with [`crate::MediaStages`].
+    segments: Option<B::Buffer<Query>>,
     estimates: Option<B::Buffer<Estimate>>,
     error_moments: Option<B::Buffer<ErrorMoments>>,
     points: Option<irradiance::Points<B>>,
@@ -95,6 +98,7 @@ mod fit;
 pub(crate) mod irradiance;
 mod look;
 mod lower;
+mod medium;
 mod own_radii;
 mod photon_format;
 mod photons;
@@ -208,6 +212,7 @@ impl<B: TransportBackend> Pipeline<B> {
         check::check_scene(scene)?;
         view.camera.check()?;
         check::check_irradiance(scene, &settings)?;
+        check::check_media(scene, &settings)?;
         required.check(Features::of(scene))?;
         required.check_format(PhotonFormat::of(scene, &settings))?;
         let required =
@@ -240,7 +245,8 @@ impl<B: TransportBackend> Pipeline<B> {
                     if settings.errors { (size_of::<ErrorMoments>(), size_of::<ErrorPixel>()) } else { (0, 0) };
                 // As they are found, and one after another.
                 let reflection = if stages.gloss_caustics.is_some() { 2 * size_of::<Query>() } else { 0 };
-                let query = costs.query + (moments + reflection) as u64;
+                let segment = if stages.media.is_some() { 2 * size_of::<Query>() + size_of::<Estimate>() } else { 0 };
+                let query = costs.query + (moments + reflection + segment) as u64;
                 // Factors on radii of each pixel, and seven words for their updates.
                 let radii = if settings.bandwidth == Bandwidth::PerPixel { size_of::<[u32; 8]>() } else { 0 };
                 let picture = pixels * (costs.pixel + (copy + radii) as u64 + per_pixel * query);
@@ -257,14 +263,25 @@ impl<B: TransportBackend> Pipeline<B> {
             Some(_) => Some(on.alloc("queries of reflections", pixels * per_pixel)?),
             None => None,
         };
+        let at_segments = pixels * u64::from(medium::segments_per_pixel(required.features));
+        let segments = match stages.media {
+            Some(_) => Some(on.alloc("segments in media", at_segments)?),
+            None => None,
+        };
+        let most_estimates = (pixels * per_pixel).max(if segments.is_some() { at_segments } else { 0 });
         let any_map = required.maps.any();
-        let estimates = if any_map { Some(on.alloc("estimates", pixels * per_pixel)?) } else { None };
+        let estimates = if any_map { Some(on.alloc("estimates", most_estimates)?) } else { None };
         let error_moments =
             if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
         let schedule = Schedule::new(settings.alpha);
         let own_radii = Self::own_radii(&settings);
         let mut pipeline = Self {
-            maps: MapSlot::of(&required.maps, stages.gloss_caustics.is_some(), radii::given(&settings, &scene.units)),
+            maps: MapSlot::of(
+                &required.maps,
+                stages.gloss_caustics.is_some(),
+                stages.media.is_some(),
+                radii::given(&settings, &scene.units),
+            ),
             units: scene.units,
             scene: prepared,
             state: State::Ready,
@@ -288,6 +305,7 @@ impl<B: TransportBackend> Pipeline<B> {
             rays,
             queries,
             reflections,
+            segments,
             estimates,
             error_moments,
             points: None,
@@ -315,7 +333,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let capacity = self.settings.photon_capacity.map_or(guess, |given| given.min(most));
         self.maps.iter_mut().try_for_each(|slot| {
             // A path stores at most one photon for reflections.
-            let capacity = if slot.reflected { capacity.min(u64::from(paths.max(aimed))) } else { capacity };
+            let reflects = slot.place == MapPlace::Reflection;
+            let capacity = if reflects { capacity.min(u64::from(paths.max(aimed))) } else { capacity };
             slot.allocate(&mut self.on, capacity, self.required.photon_format)
         })
     }
@@ -474,7 +493,7 @@ impl<B: TransportBackend> Pipeline<B> {
         self.schedule.add(index);
         self.update_own_radii()?;
         let mut radius = PerMap::default();
-        for slot in self.maps.iter().filter(|slot| !slot.reflected) {
+        for slot in self.maps.iter().filter(|slot| slot.place == MapPlace::Surface) {
             let normalised = radii::gather(&self.settings, slot.radius, index).radius_scale;
             radius[slot.kind] = Some(self.units.length_to_user(normalised));
         }

@@ -7,6 +7,7 @@ use crate::backend::tally::Tally;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::{Error, Result};
 use crate::requirements::map_kind::PerMap;
+use crate::requirements::map_place::MapPlace;
 
 /// The paths that were emitted.
 #[derive(Clone, Debug, Default)]
@@ -61,10 +62,7 @@ impl<B: TransportBackend> Pipeline<B> {
                     sent.aimed_tally = stages.tracer.take_tally(&mut self.on)?;
                 }
             }
-            if let Some(caustics) = &mut self.stages.gloss_caustics {
-                // These paths are in a tally already.
-                caustics.tracer.take_tally(&mut self.on)?;
-            }
+            self.forget_repeated_tallies()?;
             if !self.grow_if_needed()? {
                 sent.stop = stop;
                 return Ok(sent);
@@ -103,12 +101,15 @@ impl<B: TransportBackend> Pipeline<B> {
         let batch = Batch { pass, paths };
         let stages = &mut self.stages;
         let aims = stages.aimed.is_some();
-        let mut deposits: Deposits<'_, B> = PerMap::default();
-        let mut reflected: Deposits<'_, B> = PerMap::default();
+        let [mut deposits, mut reflected, mut in_media]: [Deposits<'_, B>; 3] = Default::default();
         for slot in &mut self.maps {
             // A map is filled by one kind of paths, never by both.
             if (aims && slot.kind.is_aimed()) == aimed {
-                let deposits = if slot.reflected { &mut reflected } else { &mut deposits };
+                let deposits = match slot.place {
+                    MapPlace::Surface => &mut deposits,
+                    MapPlace::Reflection => &mut reflected,
+                    MapPlace::Medium => &mut in_media,
+                };
                 deposits[slot.kind] = slot.photons.as_mut();
             }
         }
@@ -123,7 +124,23 @@ impl<B: TransportBackend> Pipeline<B> {
         if let Some(caustics) = stages.gloss_caustics.as_mut().filter(|_| reflected.values().any(Option::is_some)) {
             caustics.tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, reflected)?;
         }
+        if let Some(media) = stages.media.as_mut().filter(|_| in_media.values().any(Option::is_some)) {
+            let tracer = if aimed { &mut media.aimed } else { &mut media.tracer };
+            tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, in_media)?;
+        }
         self.on.mark(None);
+        Ok(())
+    }
+
+    /// Discards the counts of paths that are traced once more, and are in a tally already.
+    pub(super) fn forget_repeated_tallies(&mut self) -> Result<()> {
+        if let Some(caustics) = &mut self.stages.gloss_caustics {
+            caustics.tracer.take_tally(&mut self.on)?;
+        }
+        if let Some(media) = &mut self.stages.media {
+            media.tracer.take_tally(&mut self.on)?;
+            media.aimed.take_tally(&mut self.on)?;
+        }
         Ok(())
     }
 

@@ -9,6 +9,7 @@ use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::footprint::Footprint;
 use crate::radius::radii;
+use crate::requirements::map_place::MapPlace;
 use crate::scene::layout::Query;
 use crate::settings::Estimator;
 
@@ -24,11 +25,22 @@ impl<B: TransportBackend> Pipeline<B> {
         let mut visible = None;
         for index in 0..self.maps.len() {
             let slot = &mut self.maps[index];
-            let (kind, reflected) = (slot.kind, slot.reflected);
+            let (kind, place) = (slot.kind, slot.place);
             let Some(photons) = slot.photons.take() else { continue };
             self.on.mark(Some(Stage::Build));
             let built = self.stages.map.builder.build(&mut self.on, photons)?;
             self.on.mark(Some(Stage::Estimate));
+            if place == MapPlace::Medium {
+                let wanted =
+                    f64::from(radii::neighbours(kind)) * f64::from(traced_paths[kind]) / f64::from(wanted_paths[kind]);
+                let radius = self.medium_radius(&built, wanted)?;
+                let slot = &mut self.maps[index];
+                slot.derived = Some((radius, 0.0));
+                slot.radius = radii::scaled(radius, self.settings.radius_factor as f32);
+                self.on.mark(None);
+                slot.photons = Some(self.stages.map.builder.reclaim(built));
+                continue;
+            }
             let cosine = self.settings.min_normal_cosine;
             let (wanted, wanted_paths, traced) = (radii::neighbours(kind), wanted_paths[kind], traced_paths[kind]);
             let share = f64::from(traced) / f64::from(wanted_paths);
@@ -38,7 +50,7 @@ impl<B: TransportBackend> Pipeline<B> {
             // The estimator of Lin and Wang remains that of the paper; reflections show their light in other places.
             let bounded = matches!(self.settings.estimator, Estimator::Radius { .. })
                 && is_shown(&self.settings, kind)
-                && !reflected
+                && place == MapPlace::Surface
                 && f64::from(radius) < footprint.most();
             let least =
                 if bounded && typical.is_some() { self.least_radius(&footprint, &built, &mut visible)? } else { 0.0 };

@@ -4,14 +4,14 @@ use crate::backend::Backend;
 use crate::backend::stages::EstimateParams;
 use crate::error::Result;
 use crate::requirements::map_kind::{MapKind, PerMap};
+use crate::requirements::map_place::MapPlace;
 use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::layout::Photon;
 
 /// The photons of one map, and its search radius.
 pub(super) struct MapSlot<B: Backend> {
     pub(super) kind: MapKind,
-    /// Whether its photons are those of [`crate::GlossCaustics`], for the reflection of glossy surfaces.
-    pub(super) reflected: bool,
+    pub(super) place: MapPlace,
     /// `None` before allocation, and while the photons are in a map.
     pub(super) photons: Option<B::Buffer<Photon>>,
     /// Maximum number of photons.
@@ -23,21 +23,27 @@ pub(super) struct MapSlot<B: Backend> {
 }
 
 impl<B: Backend> MapSlot<B> {
-    /// One slot per required map, in order, then one for caustics in reflections if `reflected`; without memory, and all
-    /// with the same radius.
-    pub(super) fn of(required: &PerMap<bool>, reflected: bool, radius: f32) -> Vec<Self> {
-        let maps = required.iter().filter(|(_, required)| **required).map(|(kind, _)| (kind, false));
-        let all = maps.chain(reflected.then_some((MapKind::Caustic, true)));
-        all.map(|(kind, reflected)| Self { kind, reflected, photons: None, capacity: 0, radius, derived: None })
-            .collect()
+    /// One slot per required map on surfaces, in order, then one for caustics in reflections and those of media, if there are
+    /// such stages; without memory, and all with the same radius.
+    pub(super) fn of(required: &PerMap<bool>, reflects: bool, has_media: bool, radius: f32) -> Vec<Self> {
+        let maps = || required.iter().filter(|(_, required)| **required).map(|(kind, _)| kind);
+        // Light straight from a light source is found by shadow rays in media.
+        let in_media = maps().filter(|&kind| has_media && kind != MapKind::Direct);
+        let all = maps().map(|kind| (kind, MapPlace::Surface));
+        let all = all.chain(reflects.then_some((MapKind::Caustic, MapPlace::Reflection)));
+        let all = all.chain(in_media.map(|kind| (kind, MapPlace::Medium)));
+        all.map(|(kind, place)| Self { kind, place, photons: None, capacity: 0, radius, derived: None }).collect()
     }
 
-    /// Photon format of the map, where the other maps have `format`.
+    /// Photon format of the map, where those on surfaces have `format`.
     pub(super) fn photon_format(&self, format: PhotonFormat) -> PhotonFormat {
-        if self.reflected { PhotonFormat::Full } else { format }
+        match self.place {
+            MapPlace::Surface => format,
+            MapPlace::Reflection | MapPlace::Medium => PhotonFormat::Full,
+        }
     }
 
-    /// Replaces the buffer by one for `capacity` photons; `photon_format` is that of maps that are not `reflected`.
+    /// Replaces the buffer by one for `capacity` photons; `photon_format` is that of maps on surfaces.
     pub(super) fn allocate(&mut self, on: &mut B, capacity: u64, photon_format: PhotonFormat) -> Result<()> {
         let photon_format = self.photon_format(photon_format);
         self.photons = None;
@@ -48,19 +54,23 @@ impl<B: Backend> MapSlot<B> {
 
     /// Label of its buffer, in reports and errors.
     pub(super) fn label(&self) -> &'static str {
-        if self.reflected { "photons: caustic, reflected" } else { self.kind.label() }
+        match (self.place, self.kind) {
+            (MapPlace::Surface, kind) => kind.label(),
+            (MapPlace::Reflection, _) => "photons: caustic, reflected",
+            (MapPlace::Medium, MapKind::Caustic) => "photons: caustic, in media",
+            (MapPlace::Medium, _) => "photons: global, in media",
+        }
     }
 }
 
 /// A map of the current pass.
 pub(super) struct BuiltMap<B: Backend> {
     pub(super) kind: MapKind,
-    /// Like [`MapSlot::reflected`].
-    pub(super) reflected: bool,
+    pub(super) place: MapPlace,
     pub(super) map: B::PhotonMap,
     /// Number of photons.
     pub(super) length: u64,
-    /// Its estimate parameters.
+    /// Its estimate parameters; in media the search radius and the kernel count.
     pub(super) gather: EstimateParams,
     /// Number of paths that filled it.
     pub(super) paths: u64,

@@ -4,6 +4,7 @@ pub(crate) mod explain;
 pub(crate) mod features;
 pub(crate) mod gloss_caustics;
 pub(crate) mod map_kind;
+pub(crate) mod map_place;
 pub(crate) mod photon_format;
 
 use crate::error::{Error, Result};
@@ -15,6 +16,7 @@ use crate::scene::SceneView;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediaFeatures;
+use crate::scene::medium::Medium;
 use crate::scene::solids::Solids;
 use crate::scene::texture::{MaterialTextures, ShadingTables};
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
@@ -172,17 +174,22 @@ impl Features {
     pub fn of(scene: &SceneView<'_>) -> Self {
         let materials = scene.materials_in_use().map(|material| material_features(material, scene));
         let all = materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union);
+        let is_ambient = scene.media.first().is_some_and(Medium::attenuates);
+        let ambient = if is_ambient { Self::ABSORPTION } else { Self::NONE };
         let lit = if scene.lights.is_empty() { Self::TEXTURED_LIGHTS } else { Self::NONE };
         let many = if scene.lights.len() > MAX_LIGHTS { Self::LIGHT_TREE } else { Self::NONE };
         let portals = !scene.portals.is_empty() && all.intersects(Self::INFINITE_LIGHTS);
         let through = if portals { Self::PORTALS } else { Self::NONE };
-        all.without(lit).union(many).union(through)
+        all.without(lit).union(many).union(through).union(ambient)
     }
 }
 
-/// Whether some surface is neither a perfect mirror, smooth glass nor black: it stores photons, or reflects light that shadow
-/// rays find. Without one, camera paths alone find the light.
+/// Whether a medium scatters light, or some surface is neither a perfect mirror, smooth glass nor black: it stores photons, or
+/// reflects light that shadow rays find. Without one, camera paths alone find the light.
 pub(crate) fn has_receiver(scene: &SceneView<'_>) -> bool {
+    if Solids::of(scene).features().contains(MediaFeatures::SCATTERING) {
+        return true;
+    }
     scene.primitives.iter().flat_map(|primitive| scene.materials_of(primitive)).any(|material| {
         let scatters = material.is_diffuse() && material.albedo.iter().any(|&a| a > 0.0);
         scatters || material.kind() == MaterialKind::Glossy || material.is_rough_glass()
@@ -222,7 +229,7 @@ pub fn material_features(material: &Material, scene: &SceneView<'_>) -> Features
         MaterialKind::Glossy if material.is_diffuse() => Features::GLOSSY.union(Features::DIFFUSE),
         MaterialKind::Glossy => Features::GLOSSY,
         MaterialKind::Dielectric => {
-            let absorbs = scene.media.get(material.medium as usize).is_some_and(|medium| medium.absorption != [0.0; 3]);
+            let absorbs = scene.media.get(material.medium as usize).is_some_and(Medium::attenuates);
             if absorbs { Features::DIELECTRIC.union(Features::ABSORPTION) } else { Features::DIELECTRIC }
         }
     };

@@ -7,6 +7,7 @@ use crate::scene::environment::EnvironmentMap;
 use crate::scene::layout::Photon;
 use crate::scene::light::Light;
 use crate::scene::material::Material;
+use crate::scene::medium::Medium;
 use crate::settings::{Estimator, Settings};
 
 /// A number of leading bytes of [`Photon`], whose fields are ordered by how often they are needed: position
@@ -98,9 +99,10 @@ impl PhotonFormat {
 /// Whether all light has three equal channels; materials that no surface uses are ignored.
 fn is_grey(scene: &SceneView<'_>) -> bool {
     let equal = |[r, g, b]: [f32; 3]| r.to_bits() == g.to_bits() && g.to_bits() == b.to_bits();
+    let even_medium = |medium: &Medium| equal(medium.absorption) && equal(medium.scattering);
     let surface = |material: &Material| {
         let features = crate::requirements::material_features(material, scene);
-        let even = scene.media.get(material.medium as usize).is_none_or(|medium| equal(medium.absorption));
+        let even = scene.media.get(material.medium as usize).is_none_or(even_medium);
         let colored = Features::TEXTURES.union(Features::VERTEX_COLORS).union(Features::SPECULAR_COLORS);
         let index = (material.textures as usize).checked_sub(1);
         let entry = index.and_then(|index| scene.shading.diffuse_transmissions.get(index));
@@ -114,7 +116,11 @@ fn is_grey(scene: &SceneView<'_>) -> bool {
     };
     let light = |light: &Light| equal(light.power);
     let sky = |map: &EnvironmentMap| map.texels().iter().all(|&[r, g, b, _]| equal([r, g, b]));
-    scene.lights.iter().all(light) && scene.environment.is_none_or(sky) && scene.materials_in_use().all(surface)
+    let is_even_around = scene.media.first().is_none_or(even_medium);
+    is_even_around
+        && scene.lights.iter().all(light)
+        && scene.environment.is_none_or(sky)
+        && scene.materials_in_use().all(surface)
 }
 
 #[cfg(test)]

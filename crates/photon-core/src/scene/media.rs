@@ -118,11 +118,15 @@ bitflags! {
         const NESTED = 1;
         /// Some refractive index depends on the wavelength. Needs [`Self::NESTED`].
         const DISPERSION = 2;
+        /// Some medium scatters light: [`crate::Medium::scattering`].
+        const SCATTERING = 4;
+        /// Space outside of all solids absorbs or scatters light.
+        const AMBIENT = 8;
     }
 }
 
 impl MediaFeatures {
-    /// The bounding boxes of no two solids overlap, and nothing disperses light.
+    /// The bounding boxes of no two solids overlap, nothing disperses or scatters light, and around solids is a vacuum.
     pub const NONE: Self = Self::empty();
     /// All features.
     pub const ALL: Self = Self::all();
@@ -130,11 +134,11 @@ impl MediaFeatures {
 
 impl fmt::Display for MediaFeatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match (self.contains(Self::NESTED), self.contains(Self::DISPERSION)) {
-            (_, true) => "nested, dispersion",
-            (true, false) => "nested",
-            (false, false) => "none",
-        })
+        let names = ["nested", "dispersion", "scattering", "ambient"];
+        let present = names.into_iter().zip(Self::ALL).filter(|&(_, flag)| self.contains(flag));
+        let listed: Vec<&str> = present.map(|(name, _)| name).collect();
+        f.write_str(if listed.is_empty() { "none" } else { "" })?;
+        f.write_str(&listed.join(", "))
     }
 }
 

@@ -1,10 +1,12 @@
-//! The table of media, the insides of solids.
+//! The table of media: the space around all solids, and their insides.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 use crate::shading::spectrum::Wavelength;
 
-/// Medium inside a solid. Entry 0 of a scene's table is the vacuum outside of all solids.
+/// Medium inside a solid. Entry 0 of a scene's table is the space outside of all solids: a vacuum, or an ambient medium
+/// without bounds.
 // Exhaustive: a record of buffers, whose layout is part of the interface.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -21,18 +23,48 @@ pub struct Medium {
     pub dispersion: u32,
     /// Its coefficients, for wavelengths in micrometres: A, B; or B1, B2, B3, C1, C2, C3.
     pub terms: [f32; 6],
-    /// Zero.
-    pub reserved: [u32; 4],
+    /// Scattering coefficient, per normalised length, ≥ 0, linear RGB.
+    pub scattering: [f32; 3],
+    /// Mean cosine g of the Henyey–Greenstein phase function, in (−1, 1).
+    pub anisotropy: f32,
 }
 
 impl Medium {
-    /// Entry 0 of every table.
-    pub const VACUUM: Self =
-        Self { absorption: [0.0; 3], ior: 1.0, priority: 0, dispersion: 0, terms: [0.0; 6], reserved: [0; 4] };
+    /// Space without a medium.
+    pub const VACUUM: Self = Self {
+        absorption: [0.0; 3],
+        ior: 1.0,
+        priority: 0,
+        dispersion: 0,
+        terms: [0.0; 6],
+        scattering: [0.0; 3],
+        anisotropy: 0.0,
+    };
     /// [`Self::dispersion`]: n = A + B/λ².
     pub const CAUCHY: u32 = 1;
     /// [`Self::dispersion`]: n² = 1 + Σ Bλ²/(λ² − C).
     pub const SELLMEIER: u32 = 2;
+
+    /// Extinction coefficient: absorption and scattering.
+    #[inline]
+    #[must_use]
+    pub fn extinction(&self) -> Vec3 {
+        Vec3::from(self.absorption) + Vec3::from(self.scattering)
+    }
+
+    /// Whether light is scattered in it.
+    #[inline]
+    #[must_use]
+    pub fn scatters(&self) -> bool {
+        self.scattering != [0.0; 3]
+    }
+
+    /// Whether light is absorbed or scattered in it.
+    #[inline]
+    #[must_use]
+    pub fn attenuates(&self) -> bool {
+        self.scatters() || self.absorption != [0.0; 3]
+    }
 
     /// Whether the refractive index depends on the wavelength.
     #[inline]

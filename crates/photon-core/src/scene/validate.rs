@@ -82,9 +82,12 @@ fn whole(view: &SceneView<'_>) -> Result<()> {
         return invalid("the length of light_cdf", value, "fill it in with photon_core::light_cdf");
     }
     let media = view.media.len();
-    if view.media.first() != Some(&Medium::VACUUM) || media > MediumStack::MAX_MEDIA + 1 {
+    let is_ambient = |first: &Medium| first.ior == 1.0 && first.priority == 0 && !first.is_dispersive();
+    if !view.media.first().is_some_and(is_ambient) || media > MediumStack::MAX_MEDIA + 1 {
         let value = format!("a table of {media}");
-        return invalid("media", value, "it must begin with Medium::VACUUM, followed by at most 255 others");
+        let hint =
+            "it must begin with the space around solids, of index 1 and priority 0, followed by at most 255 others";
+        return invalid("media", value, hint);
     }
     if !(0.0..=MAX_RADIUS).contains(&view.radius) {
         let hint = "it must be a number from 0 to 16: scale the scene to a unit box centred at the origin";
@@ -155,6 +158,9 @@ fn is_known_light(kind: u32) -> bool {
 
 fn check_medium(medium: &Medium) -> Check {
     not_negative("absorption", &medium.absorption)?;
+    not_negative("scattering", &medium.scattering)?;
+    let g = medium.anisotropy;
+    require(g.abs() < 1.0, || format!("its anisotropy {g} must lie between -1 and 1"))?;
     require(medium.ior.is_normal() && medium.ior > 0.0, || {
         format!("its ior {} must be finite and above 0", medium.ior)
     })?;

@@ -27,6 +27,11 @@
 //! | shadow rays | ray r of the query | light · point or direction, u · the same, v · light (low), alpha |
 //! | final gathering | r · (max bounces + 1), ray r | direction, u · direction, v · – · – |
 //! | final gathering | r · (max bounces + 1) + n, surface n from 1 | choice of the lobe · direction, u · direction, v · alpha |
+//! | flights | 2n, after n surfaces and collisions | channel · length · roulette · – |
+//! | flights | 2n + 1 | phase function, u · phase function, v · – · – |
+//! | deposits in media | n, after n surfaces and collisions; aimed paths: + 2³¹ | channel · place · – · – |
+//! | camera segments | ray r of the segment | light · point, u · point, v · place on the segment |
+//! | camera segments | [`BLOCK_SEGMENTS`] + n, segment n of the pixel | which of several is kept · – · – · – |
 //! | wavelength | domain of the path + 8 · gather ray | wavelength · – · – · – |
 //! | area probes | 0, by the path of the query | rotation of the spokes · shift of the rings · – · – |
 //!
@@ -58,6 +63,12 @@ pub enum Domain {
     Area = 4,
     /// Photons that are aimed, for the caustic map.
     Aimed = 5,
+    /// Lengths of flights in media, and directions after collisions.
+    Flight = 6,
+    /// Places of photons in media.
+    Deposit = 7,
+    /// Segments of camera paths in media.
+    Segment = 8,
     /// Wavelengths of paths that are dispersed.
     Wavelength = 9,
 }

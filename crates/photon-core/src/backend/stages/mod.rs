@@ -3,6 +3,7 @@
 mod camera;
 mod gather;
 mod map;
+mod media;
 mod params;
 mod pass;
 mod photons;
@@ -13,6 +14,7 @@ pub use camera::{AreaProbe, DirectLight, EyeTracer};
 pub use gather::{FinalGather, IrradiancePoints, Maps};
 pub(crate) use map::no_errors;
 pub use map::{EstimateBuffers, KdTreeBuilder, RadianceEstimator};
+pub use media::{BeamEstimator, BeamParams, MediaStages};
 pub use params::{EstimateParams, Search};
 pub use pass::{Batch, Pass, View};
 pub use photons::{Deposits, Emitter, Tracer};
@@ -84,6 +86,8 @@ pub struct Stages<B: TransportBackend> {
     pub aimed: Option<Aimed<B>>,
     /// Caustics as glossy surfaces reflect them; `None` if not required, or if the backend has no such stages.
     pub gloss_caustics: Option<GlossCaustics<B>>,
+    /// Media that scatter light; `None` if not required.
+    pub media: Option<MediaStages<B>>,
     /// Photon maps.
     pub map: MapStages<B>,
 }

@@ -53,18 +53,20 @@ impl<'a> Solids<'a> {
 
     /// What kernels have to support for these solids: [`MediaFeatures::NESTED`] if the bounding boxes of
     /// two of them overlap; [`MediaFeatures::DISPERSION`], with which it comes, if the refractive index of one depends on the
-    /// wavelength.
+    /// wavelength; [`MediaFeatures::SCATTERING`] and [`MediaFeatures::AMBIENT`] for the media inside and around them.
     #[must_use]
     pub fn features(&self) -> MediaFeatures {
-        let is_dispersive =
-            |solid: &Solid| self.scene.media.get(solid.medium as usize).is_some_and(Medium::is_dispersive);
-        if self.solids.iter().any(is_dispersive) {
-            MediaFeatures::NESTED | MediaFeatures::DISPERSION
-        } else if self.overlap() {
-            MediaFeatures::NESTED
-        } else {
-            MediaFeatures::NONE
-        }
+        let around = self.scene.media.first();
+        let inside = || self.solids.iter().filter_map(|solid| self.scene.media.get(solid.medium as usize));
+        let is_dispersive = inside().any(Medium::is_dispersive);
+        let scatters = around.into_iter().chain(inside()).any(Medium::scatters);
+        let is_ambient = around.is_some_and(Medium::attenuates);
+        let mut features = MediaFeatures::NONE;
+        features.set(MediaFeatures::DISPERSION, is_dispersive);
+        features.set(MediaFeatures::SCATTERING, scatters);
+        features.set(MediaFeatures::AMBIENT, is_ambient);
+        features.set(MediaFeatures::NESTED, is_dispersive || self.overlap());
+        features
     }
 
     /// Whether the bounding boxes of two of them overlap.

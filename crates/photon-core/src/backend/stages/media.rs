@@ -1,0 +1,58 @@
+//! Stages of media that scatter light.
+
+use crate::backend::TransportBackend;
+use crate::backend::stages::{DirectLight, EyeTracer, Tracer};
+use crate::error::Result;
+use crate::scene::layout::{Estimate, Query};
+use crate::settings::kernel::Kernel;
+
+/// Parameters of estimates along segments.
+#[derive(Clone, Copy, Debug, PartialEq)]
+// Exhaustive: as `Batch`.
+pub struct BeamParams {
+    /// How photons are weighted by their distance from the segment.
+    pub kernel: Kernel,
+    /// Radius around the segment, normalised, > 0; times [`Query::radius`], but at most half a mean free path.
+    pub radius: f32,
+}
+
+/// The beam radiance estimate of Jarosz, Zwicker and Jensen (2008): radiance that is scattered towards the start of a segment
+/// by all photons of a medium around it.
+pub trait BeamEstimator<B: TransportBackend>: Send {
+    /// Replaces `estimates` with one for each of `segments`, which are those of [`crate::Segment`]: [`Estimate::flux`] is the sum
+    /// over the photons of `map` within the radius, in the medium of the segment and between its planes, of
+    /// `W(d²/r²)·T·f·power`, where T is the transmittance from the start to the foot of the photon, and f the phase function.
+    ///
+    /// # Errors
+    /// Errors of the backend.
+    fn estimate(
+        &mut self,
+        on: &mut B,
+        scene: &B::Scene,
+        map: &B::PhotonMap,
+        segments: &B::Buffer<Query>,
+        params: &BeamParams,
+        estimates: &mut B::Buffer<Estimate>,
+    ) -> Result<()>;
+}
+
+/// Stages for media that scatter light. Their photons have maps of their own, in [`crate::PhotonFormat::Full`], with the index
+/// of the medium as [`crate::Photon::normal`].
+///
+/// Light that reaches a medium straight from a light source is found by shadow rays, the rest by photons.
+#[expect(missing_debug_implementations, reason = "boxed stages")]
+// Exhaustive: as `Stages`.
+pub struct MediaStages<B: TransportBackend> {
+    /// Traces the paths of [`crate::Stages::tracer`] once more. On each stretch in a medium that scatters light it stores photons
+    /// whose expected power is that of the light scattered there, but for stretches that begin at a light source.
+    pub tracer: Box<dyn Tracer<B>>,
+    /// The same for the paths of [`crate::Aimed`], which never collide, and lose what is attenuated.
+    pub aimed: Box<dyn Tracer<B>>,
+    /// Traces camera paths, leaves their segments in such media, at most [`crate::Pipeline`]'s number for each pixel, and adds
+    /// nothing to the film.
+    pub eye: Box<dyn EyeTracer<B>>,
+    /// Adds light of light sources that is scattered once along segments to [`crate::Layer::Direct`].
+    pub direct: Box<dyn DirectLight<B>>,
+    /// Estimates from the maps.
+    pub estimator: Box<dyn BeamEstimator<B>>,
+}

@@ -1,0 +1,62 @@
+//! Light that is scattered in media, as camera paths see it.
+
+use super::slot::BuiltMap;
+use super::{PILOT_PASS, Pipeline, QUERIES_PER_PIXEL};
+use crate::backend::stages::{BeamParams, Pass};
+use crate::backend::{Stage, TransportBackend};
+use crate::error::Result;
+use crate::neighbour_radius;
+use crate::requirements::features::Features;
+use crate::scene::layout::Estimate;
+
+/// Search radius of the first estimates of the pilot, normalised: a fiftieth of the scene.
+const FIRST_RADIUS: f32 = 0.02;
+
+/// Maximum number of segments of a pixel: its camera path has one up to its first surface, and more only beyond surfaces that
+/// it passes or is reflected by.
+pub(super) fn segments_per_pixel(features: Features) -> u32 {
+    if features.intersects(Features::SPECULAR.union(Features::FOLLOWED)) { QUERIES_PER_PIXEL } else { 1 }
+}
+
+impl<B: TransportBackend> Pipeline<B> {
+    /// Adds the estimates from one map of media along the segments to the film.
+    pub(super) fn show_medium(&mut self, built: &BuiltMap<B>) -> Result<()> {
+        let (Some(media), Some(segments)) = (&mut self.stages.media, &self.segments) else { return Ok(()) };
+        let Some(estimates) = &mut self.estimates else { return Ok(()) };
+        self.on.mark(Some(Stage::Estimate));
+        let params = BeamParams { kernel: built.gather.kernel, radius: built.gather.radius_scale };
+        media.estimator.estimate(&mut self.on, &self.scene, &built.map, segments, &params, estimates)?;
+        self.on.mark(Some(Stage::Film));
+        self.on.accumulate(&mut self.film, built.kind.layer(), segments, estimates, built.paths)
+    }
+
+    /// The radius within which the median segment that sees photons of the pilot pass sees `wanted` of them. Their number grows
+    /// as the square of the radius.
+    pub(super) fn medium_radius(&mut self, map: &B::PhotonMap, wanted: f64) -> Result<f32> {
+        let (Some(media), Some(segments)) = (&mut self.stages.media, &mut self.segments) else {
+            return Ok(FIRST_RADIUS);
+        };
+        let Some(estimates) = &mut self.estimates else { return Ok(FIRST_RADIUS) };
+        let pass = Pass { seed: self.settings.seed, index: PILOT_PASS, random: self.settings.random };
+        media.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, segments)?;
+        let mut radius = FIRST_RADIUS;
+        let mut found: Vec<Estimate> = Vec::new();
+        // The second time within about the radius that is needed, since photons are not spread evenly.
+        for _ in 0..2 {
+            let params = BeamParams { kernel: self.settings.kernel, radius };
+            media.estimator.estimate(&mut self.on, &self.scene, map, segments, &params, estimates)?;
+            self.on.download(estimates, &mut found)?;
+            let mut counts: Vec<u32> =
+                found.iter().map(|estimate| estimate.photons).filter(|&count| count > 0).collect();
+            if counts.is_empty() {
+                break;
+            }
+            let middle = counts.len() / 2;
+            let (_, &mut median, _) = counts.select_nth_unstable(middle);
+            radius *= (wanted.max(8.0) / f64::from(median)).sqrt() as f32;
+            radius = radius.clamp(1e-5, neighbour_radius::MAX_RADIUS);
+        }
+        self.on.abandon_pass(&mut self.film)?;
+        Ok(radius)
+    }
+}

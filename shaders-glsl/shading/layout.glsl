@@ -79,7 +79,8 @@ struct Medium {
     uint priority;
     uint dispersion;
     float terms[6];
-    uint reserved[4];
+    vec3 scattering;
+    float anisotropy;
 };
 
 struct Light {

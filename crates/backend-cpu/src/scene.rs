@@ -8,7 +8,7 @@ use photon_core::random::unit_f32;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, LightGroups, Material, MediaFeatures, Medium,
     MediumStack, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded,
-    SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, interface, math, memory, offset,
+    SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, flight, interface, memory, offset,
     radiance_scale, roughest_caustic, shadow_terminator,
 };
 use photon_scene::AccelError;
@@ -45,6 +45,10 @@ pub struct CpuScene {
     pub(crate) nested: bool,
     /// Whether some refractive index depends on the wavelength.
     pub(crate) disperses: bool,
+    /// Whether some medium scatters light.
+    pub(crate) scatters: bool,
+    /// Whether the space around solids absorbs or scatters light.
+    is_ambient: bool,
     /// Vertex attributes and textures; `None` in a scene without any, and without alpha.
     shading: Option<Box<CpuShading>>,
     /// Empty in a scene without rough solids.
@@ -72,7 +76,8 @@ impl CpuScene {
         let present = Features::of(view);
         required.check(present)?;
         let solids = Solids::of(view);
-        required.check_media(solids.features())?;
+        let media = solids.features();
+        required.check_media(media)?;
         let nested = required.media.contains(MediaFeatures::NESTED);
         let light_media = if nested || required.features.contains(Features::ABSORPTION) {
             let locator = solids.locate();
@@ -115,7 +120,9 @@ impl CpuScene {
             media: view.media.to_vec(),
             light_media,
             nested,
-            disperses: solids.features().contains(MediaFeatures::DISPERSION),
+            disperses: media.contains(MediaFeatures::DISPERSION),
+            scatters: media.contains(MediaFeatures::SCATTERING),
+            is_ambient: media.contains(MediaFeatures::AMBIENT),
             shading: CpuShading::new(view, present),
             rough_glass: RoughGlassTable::new(view)?,
             with_alpha: with_alpha(view, present),
@@ -132,9 +139,10 @@ impl CpuScene {
         *self.largest_inradius.get_or_init(|| self.vertices.iter().map(clear_disc::inradius).fold(0.0, f32::max))
     }
 
-    /// Whether rays are traced in batches, as the ray caster prefers; never where a random word decides what a ray meets.
+    /// Whether rays are traced in batches, as the ray caster prefers; never where a random word decides what a ray meets, or
+    /// in media that scatter light.
     pub(crate) fn traces_batches(&self) -> bool {
-        !self.present.intersects(Features::RANDOM_SURFACES) && self.caster.prefers_batches()
+        !self.scatters && !self.present.intersects(Features::RANDOM_SURFACES) && self.caster.prefers_batches()
     }
 
     /// [`Self::hit`] for each ray.
@@ -348,17 +356,29 @@ impl CpuScene {
         *interface = interface.at_wavelength(&self.media, *wavelength);
     }
 
-    /// Transmittance per channel after `distance` in `media` (Beer–Lambert law).
+    /// Index of the medium that applies in `media`, and the medium.
+    #[inline]
+    pub(crate) fn medium(&self, media: MediumStack) -> (u32, &Medium) {
+        let index = media.current(&self.media);
+        (index, &self.media[index as usize])
+    }
+
+    /// Transmittance per channel after `distance` in `media`.
     #[inline]
     pub(crate) fn transmittance(&self, media: MediumStack, distance: f32) -> Vec3 {
-        let absorption = self.media[media.current(&self.media) as usize].absorption;
-        Vec3::from(absorption.map(|sigma| math::exp_neg(sigma * distance)))
+        flight::transmittance(self.medium(media).1, distance)
+    }
+
+    /// Whether `media` may absorb or scatter light.
+    #[inline]
+    pub(crate) fn may_attenuate(&self, media: MediumStack) -> bool {
+        media != MediumStack::VACUUM || self.is_ambient
     }
 
     /// As [`Self::transmittance`], but returns 1 immediately if nothing in the scene absorbs.
     #[inline]
     pub(crate) fn attenuation(&self, media: MediumStack, distance: f32) -> Vec3 {
-        if media == MediumStack::VACUUM || !self.features.contains(Features::ABSORPTION) {
+        if !self.features.contains(Features::ABSORPTION) || !self.may_attenuate(media) {
             return Vec3::ONE;
         }
         self.transmittance(media, distance)

@@ -3,8 +3,9 @@
 use std::time::Duration;
 
 use photon_core::{
-    AimedStages, Area, Backend as _, Costs, FilmPixel, GlossCaustics, MapStages, PhotonFormat, ProjectionMap, Query,
-    Requirements, Result, SceneView, Settings, Stage, Stages, TransportBackend,
+    AimedStages, Area, Backend as _, Costs, FilmPixel, GlossCaustics, MapStages, MediaFeatures, MediaStages,
+    PhotonFormat, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stage, Stages, TransportBackend,
+    segments_per_pixel,
 };
 use rayon::prelude::*;
 
@@ -12,12 +13,14 @@ use crate::cpu::{Cpu, CpuBuffer};
 use crate::map::CpuBuilder;
 use crate::scene::CpuScene;
 use crate::stages::area::CpuArea;
+use crate::stages::beam_estimate::CpuBeamEstimator;
 use crate::stages::direct::CpuDirect;
 use crate::stages::emit::{CpuAimedEmitter, CpuEmitter};
 use crate::stages::estimate::CpuEstimator;
-use crate::stages::eye::CpuEye;
+use crate::stages::eye::{CpuEye, EyeQueries};
 use crate::stages::final_gather::CpuGather;
 use crate::stages::irradiance::CpuIrradiance;
+use crate::stages::medium_direct::CpuMediumDirect;
 use crate::stages::trace::CpuTracer;
 
 impl TransportBackend for Cpu {
@@ -40,7 +43,7 @@ impl TransportBackend for Cpu {
             eye: Box::new(CpuEye {
                 max_bounces: settings.max_bounces,
                 hides_background: settings.transparent_background,
-                reflections: false,
+                leaves: EyeQueries::VisiblePoints,
                 terminator_offset: required.terminator_offset,
                 caustic_roughness: required.caustic_roughness(settings),
                 truncated: 0,
@@ -60,11 +63,25 @@ impl TransportBackend for Cpu {
                 eye: Box::new(CpuEye {
                     max_bounces: settings.max_bounces,
                     hides_background: false,
-                    reflections: true,
+                    leaves: EyeQueries::Reflections,
                     terminator_offset: required.terminator_offset,
                     caustic_roughness: required.caustic_roughness(settings),
                     truncated: 0,
                 }),
+            }),
+            media: required.media.contains(MediaFeatures::SCATTERING).then(|| MediaStages {
+                tracer: Box::new(CpuTracer::in_media(settings, required, false)),
+                aimed: Box::new(CpuTracer::in_media(settings, required, true)),
+                eye: Box::new(CpuEye {
+                    max_bounces: settings.max_bounces,
+                    hides_background: false,
+                    leaves: EyeQueries::Segments(segments_per_pixel(required.features)),
+                    terminator_offset: false,
+                    caustic_roughness: None,
+                    truncated: 0,
+                }),
+                direct: Box::new(CpuMediumDirect),
+                estimator: Box::new(CpuBeamEstimator),
             }),
             map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },
         })

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use photon_core::{
-    AimedStages, Announcement, Area, Backend, GlossCaustics, ProjectionMap, Query, Requirements, Result, SceneView,
-    Settings, Stage, Stages, TransportBackend,
+    AimedStages, Announcement, Area, Backend, Error, GlossCaustics, MediaFeatures, ProjectionMap, Query, Requirements,
+    Result, SceneView, Settings, Solids, Stage, Stages, TransportBackend,
 };
 
 use crate::device::buffer::VulkanBuffer;
@@ -33,6 +33,13 @@ impl TransportBackend for Vulkan {
     }
 
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<VulkanScene> {
+        if Solids::of(scene).features().contains(MediaFeatures::SCATTERING) {
+            return Err(Error::InvalidSetting {
+                name: "backend",
+                value: "vulkan, for a scene with media that scatter light".into(),
+                hint: "they are rendered on the CPU so far: use --backend cpu",
+            });
+        }
         // Work of the host, which timestamps of the device do not show.
         let start = Instant::now();
         let given = self.tree.as_ref().is_some_and(|(tree, _)| tree.order.len() == scene.triangles.len());
@@ -69,6 +76,7 @@ impl TransportBackend for Vulkan {
             } else {
                 None
             },
+            media: None,
             map: self.map_stages(settings.index)?,
         })
     }

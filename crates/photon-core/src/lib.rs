@@ -45,7 +45,7 @@ pub use pipeline::blocks::{BlockOutcome, Blocks, render_blocks};
 pub use pipeline::error_target::ErrorTarget;
 pub use pipeline::parallel_blocks::render_blocks_in_parallel;
 pub use pipeline::render::{Facts, Outcome, PassEnd, Render, render};
-pub use pipeline::{Pipeline, QUERIES_PER_PIXEL};
+pub use pipeline::{Pipeline, QUERIES_PER_PIXEL, segments_per_pixel};
 pub use projection::{NoProjection, ProjectionDisc, ProjectionMap, ProjectionSample, ProjectionTarget};
 pub use radius::bandwidth::{PixelRadii, RadiusUpdate};
 pub use radius::neighbour_radius;

@@ -4,6 +4,7 @@
 //! differ only in speed.
 
 mod accept;
+mod along;
 #[cfg(target_arch = "x86_64")]
 mod compress;
 pub(crate) mod dispatch;
@@ -205,6 +206,23 @@ impl PointIndex {
     #[inline]
     pub(crate) fn batches_within(&self, query: [f32; 3], r2: f32, batches: &mut impl Batches) {
         self.isa.run(range::WithinBatches { tree: &self.tree, query, r2, batches });
+    }
+
+    /// Calls `visit` with the slot, the distance along the line and the squared distance from it of every point within `radius`
+    /// of a segment, in an order that depends only on the arguments. `direction` is a unit vector. Points count whose foot on the
+    /// line is at most eight radii beyond an end, so that a caller can end the segment by oblique planes.
+    #[inline]
+    pub fn along(
+        &self,
+        origin: [f32; 3],
+        direction: [f32; 3],
+        length: f32,
+        radius: f32,
+        visit: impl FnMut(u32, f32, f32),
+    ) {
+        let range = [-8.0 * radius, length + 8.0 * radius];
+        let line = along::Line { origin, direction, range, radius };
+        self.isa.run(along::Along { tree: &self.tree, line, found: visit });
     }
 
     /// The number of points that [`Self::within`] would visit.

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use photon_core::flight::FAR;
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::memory::{self, OutOfMemory};
@@ -20,6 +21,7 @@ use crate::scene::CpuScene;
 use crate::stages::eye_batch;
 use crate::stages::eye_glossy::{GlossyPoint, Leaves, Reflection};
 use crate::stages::eye_rough_glass::RoughPoint;
+use crate::stages::eye_segments;
 
 /// Traces camera paths through mirrors and glass.
 ///
@@ -30,9 +32,8 @@ pub(crate) struct CpuEye {
     pub(crate) max_bounces: u32,
     /// Whether camera rays that hit nothing do not see the environment.
     pub(crate) hides_background: bool,
-    /// Whether paths leave queries for the reflection of glossy surfaces, instead of all else:
-    /// [`photon_core::GlossCaustics`].
-    pub(crate) reflections: bool,
+    /// The queries that paths leave.
+    pub(crate) leaves: EyeQueries,
     /// [`photon_core::Requirements::terminator_offset`].
     pub(crate) terminator_offset: bool,
     /// [`photon_core::Requirements::caustic_roughness`].
@@ -40,6 +41,22 @@ pub(crate) struct CpuEye {
     /// [`EyeTracer::truncated`].
     pub(crate) truncated: u64,
 }
+
+/// Queries that camera paths leave. Only for visible points do they add to the film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EyeQueries {
+    /// Where they end.
+    VisiblePoints,
+    /// For the reflection of glossy surfaces: [`photon_core::GlossCaustics`].
+    Reflections,
+    /// For segments in media that scatter light, at most so many for each pixel: [`photon_core::MediaStages`].
+    Segments(u32),
+}
+
+/// [`EyeQueries`] as a parameter of kernels.
+pub(crate) const POINTS: u8 = 0;
+pub(crate) const REFLECTIONS: u8 = 1;
+const SEGMENTS: u8 = 2;
 
 /// Label of the memory for the queries of a row.
 pub(crate) const QUERIES: &str = "camera paths";
@@ -57,7 +74,7 @@ impl EyeTracer<Cpu> for CpuEye {
         queries: &mut CpuBuffer<Query>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let Self { max_bounces, hides_background, reflections, terminator_offset, caustic_roughness, .. } = *self;
+        let Self { max_bounces, hides_background, leaves, terminator_offset, caustic_roughness, .. } = *self;
         let caustic_roughness = caustic_roughness.filter(|&least| least <= scene.roughest_caustic);
         let eye = Eye {
             scene,
@@ -68,19 +85,23 @@ impl EyeTracer<Cpu> for CpuEye {
             max_splits,
             terminator_offset,
             caustic_roughness,
+            most_segments: if let EyeQueries::Segments(most) = leaves { most } else { 0 },
             truncated: AtomicU64::new(0),
         };
+        let reflections = leaves == EyeQueries::Reflections;
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
         let is_shaded = scene.features.intersects(Features::SHADED) || scene.disperses;
         let look = match (is_shaded, scene.present.intersects(Features::RANDOM_SURFACES), has_lens) {
-            (_, _, true) if reflections => Eye::look::<true, true, true, true>,
-            (_, _, false) if reflections => Eye::look::<true, true, false, true>,
-            (_, true, true) => Eye::look::<true, true, true, false>,
-            (_, true, false) => Eye::look::<true, true, false, false>,
-            (true, false, true) => Eye::look::<true, false, true, false>,
-            (true, false, false) => Eye::look::<true, false, false, false>,
-            (false, false, true) => Eye::look::<false, false, true, false>,
-            (false, false, false) => Eye::look::<false, false, false, false>,
+            (_, _, true) if eye.most_segments > 0 => Eye::look::<true, true, true, SEGMENTS>,
+            (_, _, false) if eye.most_segments > 0 => Eye::look::<true, true, false, SEGMENTS>,
+            (_, _, true) if reflections => Eye::look::<true, true, true, REFLECTIONS>,
+            (_, _, false) if reflections => Eye::look::<true, true, false, REFLECTIONS>,
+            (_, true, true) => Eye::look::<true, true, true, POINTS>,
+            (_, true, false) => Eye::look::<true, true, false, POINTS>,
+            (true, false, true) => Eye::look::<true, false, true, POINTS>,
+            (true, false, false) => Eye::look::<true, false, false, POINTS>,
+            (false, false, true) => Eye::look::<false, false, true, POINTS>,
+            (false, false, false) => Eye::look::<false, false, false, POINTS>,
         };
         let in_batches = scene.traces_batches();
         let mut rows = memory::with_capacity(view.height as usize, QUERIES)?;
@@ -118,13 +139,15 @@ impl EyeTracer<Cpu> for CpuEye {
 pub(crate) struct Eye<'a> {
     pub(crate) scene: &'a CpuScene,
     pub(crate) view: &'a View,
-    pass: Pass,
+    pub(super) pass: Pass,
     max_bounces: u32,
     hides_background: bool,
     pub(crate) max_splits: u32,
     terminator_offset: bool,
     /// Reflections at least this rough show caustics of all lights from photons; `None`: none does.
     caustic_roughness: Option<f32>,
+    /// Maximum number of segments of a pixel.
+    pub(super) most_segments: u32,
     truncated: AtomicU64,
 }
 
@@ -142,14 +165,17 @@ pub(crate) struct Path {
     pub(crate) splits: u32,
     /// Index of this path among the pixel's paths; part of the random-number key.
     pub(crate) branch: u32,
+    /// Normal of the surface at which the ray starts, on either side; the direction of the ray at the camera. Only for
+    /// segments.
+    pub(super) start: Vec3,
     /// The glossy surface or rough glass that it left last.
     pub(crate) reflected: Reflection,
 }
 
 impl Eye<'_> {
     /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha; `LENS`: the
-    /// camera has a lens; `REFLECTIONS`: [`CpuEye::reflections`].
-    fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool, const REFLECTIONS: bool>(
+    /// camera has a lens; `QUERIES`: [`EyeQueries`].
+    fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool, const QUERIES: u8>(
         &self,
         x: u32,
         y: u32,
@@ -160,17 +186,21 @@ impl Eye<'_> {
         let sampler = |branch: u32| self.sampler(number, branch);
         let mut waiting = [self.first::<LENS>(x, y); QUERIES_PER_PIXEL as usize];
         let mut count = 1;
+        let before = queries.len();
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
             while let Some(branch) =
-                self.step::<SHADED, ALPHA, REFLECTIONS>(&mut path, None, number, pixel, queries, &sampler)
+                self.step::<SHADED, ALPHA, QUERIES>(&mut path, None, number, pixel, queries, &sampler)
             {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
                     count += 1;
                 }
             }
+        }
+        if QUERIES == SEGMENTS {
+            eye_segments::limit(self, number, queries, before);
         }
     }
 
@@ -205,13 +235,14 @@ impl Eye<'_> {
             total: 0,
             splits: 0,
             branch: 0,
+            start: ray.direction,
             reflected: Reflection::default(),
         }
     }
 
     /// Traces the path to its next surface; `known` is what its ray hits, if that is known. Returns `None` when the path has
     /// ended, `Some(Some(other))` when it has split.
-    pub(super) fn step<const SHADED: bool, const ALPHA: bool, const REFLECTIONS: bool>(
+    pub(super) fn step<const SHADED: bool, const ALPHA: bool, const QUERIES: u8>(
         &self,
         path: &mut Path,
         known: Option<Option<Hit>>,
@@ -232,8 +263,13 @@ impl Eye<'_> {
             },
         };
         let Some((mut surface, hit)) = found else {
+            if QUERIES == SEGMENTS {
+                let end = (FAR, path.ray.direction);
+                queries.extend(eye_segments::segment(self, path, path.media, end, number));
+                return None;
+            }
             let is_hidden = self.hides_background && path.surfaces == 0;
-            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && !REFLECTIONS) {
+            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && QUERIES == POINTS) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media, path.wavelength);
                 let mut radiance = environment.radiance(path.ray.direction);
@@ -246,7 +282,7 @@ impl Eye<'_> {
             // Shadow rays and photons find the sun for paths with glossy surfaces.
             if self.scene.features.contains(Features::SUN)
                 && !is_hidden
-                && !REFLECTIONS
+                && QUERIES == POINTS
                 && path.reflected.pdf == 0.0
                 && let Some(sun) = self.scene.lights.iter().rfind(|light| light.is_sun())
                 && sampling::versine(path.ray.direction, -Vec3::from(sun.direction)) <= sun.versine_outer
@@ -267,7 +303,7 @@ impl Eye<'_> {
                 surface = surface.with_cosine_to(normal, path.ray.direction);
             }
         }
-        if path.surfaces == 0 && !REFLECTIONS {
+        if path.surfaces == 0 && QUERIES == POINTS {
             pixel.hits += 1;
             pixel.depth += f64::from(surface.t);
             for axis in 0..3 {
@@ -276,6 +312,11 @@ impl Eye<'_> {
             }
         }
         let mut interface = self.scene.interface(&surface, path.media);
+        if QUERIES == SEGMENTS {
+            let end = (surface.t, -surface.normal);
+            queries.extend(eye_segments::segment(self, path, interface.before, end, number));
+            path.start = surface.normal;
+        }
         path.throughput *= self.scene.attenuation(interface.before, surface.t);
         if SHADED && self.scene.disperses {
             let word = || sampler(path.branch).wavelength(0);
@@ -286,7 +327,7 @@ impl Eye<'_> {
             let camera = MediumStack::from_bits(self.view.camera.media);
             path.throughput * self.scene.radiance_scale(camera, interface.before, path.wavelength)
         };
-        let emits = material.is_emissive() && !REFLECTIONS;
+        let emits = material.is_emissive() && QUERIES == POINTS;
         if emits && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
             let mut throughput = seen();
             if SHADED && self.scene.present.contains(Features::COATED_LIGHTS) {
@@ -300,15 +341,18 @@ impl Eye<'_> {
         }
         // Where rays to lights start, and paths that are weighed against them.
         let (mut lit, mut offset) = (surface, Vec3::ZERO);
-        if SHADED && self.terminator_offset && material.samples_lights() {
+        if SHADED && QUERIES != SEGMENTS && self.terminator_offset && material.samples_lights() {
             let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
             offset = self.scene.shadow_offset::<ALPHA>(&surface, &hit, layer);
             if offset != Vec3::ZERO {
                 lit = SurfaceInteraction { start: surface.start + offset, normal, ..surface };
             }
         }
-        let offset_or_wo =
-            if REFLECTIONS { octahedral::pack(-path.ray.direction) } else { shadow_terminator::pack(offset) };
+        let offset_or_wo = if QUERIES == REFLECTIONS {
+            octahedral::pack(-path.ray.direction)
+        } else {
+            shadow_terminator::pack(offset)
+        };
         let query = |throughput: Vec3, branch: u32, [media, coat]: [u32; 2]| Query {
             // Moved off edges: beside an edge, rounding may put the point behind the adjacent wall, outside
             // its shadow.
@@ -340,7 +384,9 @@ impl Eye<'_> {
                 let media = interface.before;
                 let at =
                     GlossyPoint { surface: &lit, normal, media, glossy: &glossy, shows_all: shows_all == Some(true) };
-                let leaves = if REFLECTIONS {
+                let leaves = if QUERIES == SEGMENTS {
+                    Leaves::none()
+                } else if QUERIES == REFLECTIONS {
                     // Relative to the normal as the query has it.
                     let packed = || anisotropy::pack(&layers, octahedral::unpack(octahedral::pack(normal)));
                     let anisotropy = self.scene.present.contains(Features::ANISOTROPY).then(packed);
@@ -358,7 +404,7 @@ impl Eye<'_> {
                 let query = |throughput: Vec3, branch: u32, words: [u32; 2]| {
                     let made = query(throughput, branch, words);
                     let offset_or_wo = match shows_all {
-                        Some(all) if REFLECTIONS => gloss_caustics::with_mark(made.offset_or_wo, all),
+                        Some(all) if QUERIES == REFLECTIONS => gloss_caustics::with_mark(made.offset_or_wo, all),
                         _ => made.offset_or_wo,
                     };
                     Query { offset_or_wo, ..made }
@@ -367,7 +413,7 @@ impl Eye<'_> {
             }
             Scattering::RoughGlass(glass) => {
                 let at = RoughPoint { surface: &surface, lit: &lit, normal, interface: &interface, glass: &glass };
-                if !REFLECTIONS {
+                if QUERIES == POINTS {
                     self.light_through::<ALPHA>(path, &at, pixel, sampler);
                 }
                 return self.scatter(path, &at, sampler).then_some(None);
@@ -376,7 +422,7 @@ impl Eye<'_> {
         };
         if material.is_diffuse() {
             let throughput = bsdf.diffuse_throughput(seen());
-            if throughput != Vec3::ZERO && !REFLECTIONS {
+            if throughput != Vec3::ZERO && QUERIES == POINTS {
                 queries.push(query(throughput, path.branch, [interface.before.bits(), 0]));
             }
             return None;

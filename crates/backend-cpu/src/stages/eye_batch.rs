@@ -3,7 +3,7 @@
 use photon_core::memory::{self, OutOfMemory};
 use photon_core::{FilmPixel, QUERIES_PER_PIXEL, Query};
 
-use crate::stages::eye::{Eye, Path, QUERIES};
+use crate::stages::eye::{Eye, POINTS, Path, QUERIES, REFLECTIONS};
 
 /// The paths of a pixel: the one that is being traced, and those that have branched off.
 struct Pixel {
@@ -37,9 +37,9 @@ pub(super) fn trace_row(
             let sampler = |branch: u32| eye.sampler(number, branch);
             let (pixel, hit) = (&mut pixels[*column], Some(found.next().copied().flatten()));
             let next = if reflections {
-                eye.step::<true, false, true>(path, hit, number, pixel, queries, &sampler)
+                eye.step::<true, false, REFLECTIONS>(path, hit, number, pixel, queries, &sampler)
             } else {
-                eye.step::<true, false, false>(path, hit, number, pixel, queries, &sampler)
+                eye.step::<true, false, POINTS>(path, hit, number, pixel, queries, &sampler)
             };
             if let Some(branch) = next {
                 waiting.extend(branch);

@@ -1,8 +1,10 @@
 //! Photon tracing.
 
 mod kernel;
+mod medium;
 mod scheduling;
 
+use photon_core::flight::{FAR, MAX_COLLISIONS};
 use photon_core::glam::Vec3;
 use photon_core::memory::{self, OutOfMemory};
 use photon_core::photon_sample::{Arriving, GlossyLobe, PhotonSample};
@@ -14,7 +16,8 @@ use photon_core::{
     shading_normal,
 };
 
-use self::kernel::{AIMED, BATCHED, NESTED, REFLECTED, REFLECTIONS, SHADED, kernel};
+use self::kernel::{AIMED, BATCHED, NESTED, REFLECTED, REFLECTIONS, SCATTERING, SCATTERS, SHADED, kernel};
+use self::medium::{Crossing, MediumWalk, Stretch};
 use self::scheduling::{share_dynamically, share_statically};
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
@@ -32,6 +35,8 @@ pub(crate) struct CpuTracer {
     nested: bool,
     aimed: bool,
     reflections: bool,
+    /// Whether photons in media are stored, instead of those on surfaces.
+    in_media: bool,
     caustic_roughness: Option<f32>,
     tally: Tally,
 }
@@ -40,14 +45,19 @@ impl CpuTracer {
     pub(crate) fn new(settings: &Settings, required: &Requirements) -> Self {
         let (scheduling, max_bounces) = (settings.scheduling, settings.max_bounces);
         let nested = required.media.contains(MediaFeatures::NESTED);
-        let (aimed, reflections, tally) = (false, false, Tally::default());
+        let (aimed, reflections, in_media, tally) = (false, false, false, Tally::default());
         let (features, caustic_roughness) = (required.features, required.caustic_roughness(settings));
-        Self { scheduling, max_bounces, features, nested, aimed, reflections, caustic_roughness, tally }
+        Self { scheduling, max_bounces, features, nested, aimed, reflections, in_media, caustic_roughness, tally }
     }
 
     /// For aimed paths, which end at the first diffuse surface.
     pub(crate) fn aimed(settings: &Settings, required: &Requirements) -> Self {
         Self { aimed: true, ..Self::new(settings, required) }
+    }
+
+    /// For [`photon_core::MediaStages`].
+    pub(crate) fn in_media(settings: &Settings, required: &Requirements, aimed: bool) -> Self {
+        Self { aimed, in_media: true, ..Self::new(settings, required) }
     }
 
     /// For [`photon_core::GlossCaustics`]: aimed or not, paths end at the first surface that is not perfectly specular.
@@ -72,7 +82,7 @@ pub(super) struct PhotonList {
 
 impl PhotonList {
     #[inline(always)]
-    fn push(&mut self, photon: Photon) {
+    pub(super) fn push(&mut self, photon: Photon) {
         match memory::reserve_doubling(&mut self.stored, 1, "photons under way") {
             Ok(()) => self.stored.push(photon),
             Err(refused) => self.refused = Some(refused),
@@ -96,10 +106,13 @@ impl Tracer<Cpu> for CpuTracer {
             (true, false) if self.aimed => follow::<{ SHADED | BATCHED | AIMED }>,
             (true, false) => follow::<{ SHADED | BATCHED }>,
             (false, true) => follow::<REFLECTIONS>,
+            (false, false) if scene.scatters && self.aimed => follow::<{ SCATTERING | AIMED }>,
+            (false, false) if scene.scatters => follow::<SCATTERING>,
             (false, false) => kernel(self.features, (self.nested, scene.disperses), self.aimed),
         };
         let all_lights = self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic);
-        let walk = Walk { scene, batch, wanted, max_bounces: self.max_bounces, all_lights, in_batches, follow };
+        let (max_bounces, in_media) = (self.max_bounces, self.in_media);
+        let walk = Walk { scene, batch, wanted, max_bounces, all_lights, in_media, in_batches, follow };
         let rays = rays.as_slice();
         let outputs = match self.scheduling {
             Scheduling::Static => share_statically(on, &walk, rays),
@@ -133,10 +146,12 @@ type Follow = fn(&Walk<'_>, &PhotonRay, &mut TraceOutput, &mut Paused);
 pub(super) struct Walk<'a> {
     pub(super) scene: &'a CpuScene,
     batch: &'a Batch,
-    wanted: PerMap<bool>,
+    pub(super) wanted: PerMap<bool>,
     max_bounces: u32,
     /// Whether photons for reflections are stored of all lights, with a mark: [`gloss_caustics`].
     all_lights: bool,
+    /// [`CpuTracer::in_media`].
+    in_media: bool,
     in_batches: bool,
     pub(super) follow: Follow,
 }
@@ -188,6 +203,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     let reflections = F & REFLECTED != 0;
     let (aimed, nested) = (F & AIMED != 0, F & NESTED != 0 && (!shaded || scene.nested));
     let disperses = shaded && nested && scene.disperses;
+    let scatters = F & SCATTERS != 0;
     let pass = walk.batch.pass;
     let domain = if aimed { Domain::Aimed } else { Domain::Photon };
     let mut sampler = Sampler::new(pass.random, pass.seed, pass.index, domain, start.path);
@@ -216,13 +232,15 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         tally.flux_emitted.add(flux);
     }
     let most_total = most_total_reflections(walk.max_bounces);
-    for bounce in first..walk.max_bounces {
+    let mut in_medium = MediumWalk::new(pass, start.path, aimed);
+    let mut bounce = first;
+    while bounce < walk.max_bounces {
         // NaN fails the comparison too.
         let sane = ray.origin.is_finite() && ray.direction.is_finite() && power.abs().max_element() <= Fate::MAX_POWER;
         if !sane || power.is_nan() {
             return tally.end(Fate::Dropped, flux);
         }
-        let block = BLOCK_SURFACES + bounce;
+        let block = BLOCK_SURFACES + bounce + in_medium.collisions;
         let found = if F & BATCHED != 0 {
             let Some(hit) = paused.hit.take() else {
                 paused.path = Some(PausedPath {
@@ -249,10 +267,28 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         };
         let (mut surface, hit) = match found {
             Ok(Some(found)) => found,
-            Ok(None) => return tally.end(Fate::Escaped, flux),
+            Ok(None) => {
+                let (_, medium) = scene.medium(media);
+                if scatters && medium.scatters() {
+                    let target = walk.in_media.then_some(&mut output.photons);
+                    let stretch = Stretch { ray, end: FAR, media, bounce, specular_only };
+                    match in_medium.cross(walk, &stretch, &mut power, target) {
+                        Crossing::Absorbed => return tally.end(Fate::Absorbed, flux),
+                        Crossing::Passes => return tally.end(Fate::Escaped, flux),
+                        Crossing::Collides(next) => {
+                            (ray, specular_only) = (next, false);
+                            carry(power, &mut flux, tally);
+                            if in_medium.collisions > MAX_COLLISIONS {
+                                break;
+                            }
+                            continue;
+                        }
+                    }
+                }
+                return tally.end(Fate::Escaped, flux);
+            }
             Err(SkipLimit) => return tally.end(Fate::Truncated, flux),
         };
-        tally.surfaces += 1;
         let mut material = &scene.materials[surface.material as usize];
         let stores = material.stores_photons();
         let (evaluated, mut normal, layers) = if shaded {
@@ -269,25 +305,37 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 surface = surface.with_cosine_to(normal, ray.direction);
             }
         }
-        let carry = |power: Vec3, flux: &mut FixedFlux, tally: &mut Tally| {
-            let left = FixedFlux::new(power.into());
-            tally.flux_absorbed.add(flux.minus(left));
-            *flux = left;
-        };
         let mut interface = scene.interface_by(&surface, media, nested);
-        if features.contains(Features::ABSORPTION) && interface.before != MediumStack::VACUUM {
+        if scatters && scene.medium(interface.before).1.scatters() {
+            let target = walk.in_media.then_some(&mut output.photons);
+            let stretch = Stretch { ray, end: surface.t, media: interface.before, bounce, specular_only };
+            let crossing = in_medium.cross(walk, &stretch, &mut power, target);
+            if matches!(crossing, Crossing::Absorbed) {
+                return tally.end(Fate::Absorbed, flux);
+            }
+            carry(power, &mut flux, tally);
+            if let Crossing::Collides(next) = crossing {
+                (ray, specular_only, media) = (next, false, interface.before);
+                if in_medium.collisions > MAX_COLLISIONS {
+                    break;
+                }
+                continue;
+            }
+        } else if features.contains(Features::ABSORPTION) && scene.may_attenuate(interface.before) {
             power *= scene.transmittance(interface.before, surface.t);
             carry(power, &mut flux, tally);
         }
         if disperses {
             scene.disperse(&mut interface, &mut wavelength, &mut power, || sampler.wavelength(0));
         }
+        tally.surfaces += 1;
         let [choice, u, v, _] = sampler.words(block);
         let (choice, u, v) = (unit_f32(choice), unit_f32(u), unit_f32(v));
         // Aimed paths store no photon at the first surface: light straight from a light source is not theirs to count.
         let is_first = aimed && bounce == 0;
         let kind = MapKind::of_path(specular_only, bounce);
-        let target = if is_first || !walk.wanted[kind] { None } else { Some(&mut output.photons[kind]) };
+        let target =
+            if is_first || walk.in_media || !walk.wanted[kind] { None } else { Some(&mut output.photons[kind]) };
         let met = if features.intersects(Features::RANDOM_SURFACES) { Some((scene, &hit)) } else { None };
         let wo = -ray.direction;
         let store = Store { target, kind, surface: &surface, wo, met, mark: None };
@@ -372,8 +420,17 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         if total > most_total {
             break;
         }
+        bounce += 1;
     }
     tally.end(Fate::Truncated, flux);
+}
+
+/// Books the power that a path has lost as absorbed.
+#[inline(always)]
+fn carry(power: Vec3, flux: &mut FixedFlux, tally: &mut Tally) {
+    let left = FixedFlux::new(power.into());
+    tally.flux_absorbed.add(flux.minus(left));
+    *flux = left;
 }
 
 /// Where a photon that arrives at a surface is stored.

@@ -3,7 +3,7 @@
 //! Stages say which kernels they need by the functions that also dispatch them.
 
 use photon_core::{
-    AnnouncedMap, Announcement, Area, Bandwidth, EstimateParams, Features, Indirect, Kernel, Layer, PerMap,
+    AnnouncedMap, Announcement, Area, Bandwidth, EstimateParams, Features, Indirect, Kernel, Layer, MapPlace, PerMap,
     PhotonFormat, QUERIES_PER_PIXEL, Result, Search,
 };
 
@@ -37,14 +37,14 @@ fn photons(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
     for is_aimed in [false, true] {
         // As in `Pipeline::send_batch`: a map is filled by one kind of paths.
         let filled = |map: &&AnnouncedMap| (passes.is_aimed && map.kind.is_aimed()) == is_aimed;
-        let formats = |is_reflected: bool| {
+        let formats = |place: MapPlace| {
             let mut formats = PerMap::<Option<PhotonFormat>>::default();
-            for map in passes.maps.iter().filter(filled).filter(|map| map.is_reflected == is_reflected) {
+            for map in passes.maps.iter().filter(filled).filter(|map| map.place == place) {
                 formats[map.kind] = Some(map.photon_format);
             }
             formats
         };
-        let (plain, reflected) = (formats(false), formats(true));
+        let (plain, reflected) = (formats(MapPlace::Surface), formats(MapPlace::Reflection));
         let any = |formats: PerMap<Option<PhotonFormat>>| formats.values().any(Option::is_some);
         if !any(plain) && !any(reflected) {
             continue;
@@ -61,7 +61,7 @@ fn photons(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
 
 fn camera(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
     EyePaths::new(passes.settings, passes.required).kernels(on, scene, &passes.view);
-    if passes.maps.iter().any(|map| map.is_reflected) {
+    if passes.maps.iter().any(|map| map.place == MapPlace::Reflection) {
         EyePaths::for_reflections(passes.settings, passes.required).kernels(on, scene, &passes.view);
     }
     if passes.required.shadow_rays {
@@ -76,7 +76,7 @@ fn estimates(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
     for map in &passes.maps {
         if passes.has_pilot {
             estimate::announce_neighbours(on, map.photon_format, settings.min_normal_cosine);
-            if map.is_shown && !map.is_reflected {
+            if map.is_shown && map.place == MapPlace::Surface {
                 footprints(on, passes, map.photon_format);
             }
         }
@@ -92,7 +92,7 @@ fn estimates(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
     }
     let rays = final_gather::most_rays(on, queries, settings.gather_rays);
     final_gather::kernels(on, scene, settings.errors, settings.irradiance_every.is_some());
-    for map in passes.maps.iter().filter(|map| !map.is_reflected) {
+    for map in passes.maps.iter().filter(|map| map.place == MapPlace::Surface) {
         let Some(every) = settings.irradiance_every else {
             estimate::announce(on, &map.gather, map.photon_format, rays, settings.errors);
             continue;

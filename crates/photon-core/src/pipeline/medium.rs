@@ -14,7 +14,8 @@ const FIRST_RADIUS: f32 = 0.02;
 
 /// Maximum number of segments of a pixel: its camera path has one up to its first surface, and more only beyond surfaces that
 /// it passes or is reflected by.
-pub(super) fn segments_per_pixel(features: Features) -> u32 {
+#[must_use]
+pub fn segments_per_pixel(features: Features) -> u32 {
     if features.intersects(Features::SPECULAR.union(Features::FOLLOWED)) { QUERIES_PER_PIXEL } else { 1 }
 }
 

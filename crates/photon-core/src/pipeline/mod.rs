@@ -110,6 +110,7 @@ mod with_settings;
 
 use aimed::Aiming;
 use announce::Weights;
+pub use medium::segments_per_pixel;
 use slot::{MapSlot, State};
 
 impl<B: TransportBackend> Pipeline<B> {

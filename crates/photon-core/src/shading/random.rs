@@ -209,6 +209,8 @@ pub const BLOCK_LIGHTS: u32 = 1 << 30;
 /// Block of dimensions for the side of the first surface of a camera path, if rough glass, on which a light is sampled;
 /// those of the next surfaces follow.
 pub const BLOCK_LIGHT_SIDES: u32 = 3 << 29;
+/// First block of choices among the segments of a pixel, and of the alpha of shadow rays from segments.
+pub const BLOCK_SEGMENTS: u32 = 1 << 29;
 
 #[cfg(test)]
 mod tests {

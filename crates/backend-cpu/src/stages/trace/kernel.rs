@@ -15,6 +15,10 @@ pub(super) const REFLECTED: u64 = 1 << 34;
 pub(super) const REFLECTIONS: u64 = Features::ALL.bits() as u64 | AIMED | NESTED | REFLECTED;
 /// Flag beside the bits of the lobes: paths pause before each ray ([`Paused`]).
 pub(super) const BATCHED: u64 = 1 << 35;
+/// Flag beside the bits of the lobes: some medium scatters light.
+pub(super) const SCATTERS: u64 = 1 << 36;
+/// The kernel for it, with all lobes.
+pub(super) const SCATTERING: u64 = SHADED | Features::RANDOM_SURFACES.bits() as u64 | SCATTERS;
 /// All lobes of reflection and transmission, without textures, shading normals and all that needs them.
 const ALL: u64 = Features::DIFFUSE
     .union(Features::MIRROR)

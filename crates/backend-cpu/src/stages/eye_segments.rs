@@ -1,0 +1,70 @@
+//! Segments of camera paths in media that scatter light.
+
+use photon_core::glam::Vec3;
+use photon_core::random::{BLOCK_SEGMENTS, Domain, Sampler, unit_f32};
+use photon_core::{MediumStack, QUERIES_PER_PIXEL, Query, RandomKind, Segment, flight};
+
+use super::eye::{Eye, Path};
+
+/// The segment of a path in `media` up to the distance `end`, where there is a plane with this normal; `None` if nothing is
+/// scattered there.
+#[inline]
+pub(super) fn segment(
+    eye: &Eye<'_>,
+    path: &Path,
+    media: MediumStack,
+    (length, end): (f32, Vec3),
+    pixel: u32,
+) -> Option<Query> {
+    let (_, medium) = eye.scene.medium(media);
+    if !medium.scatters() || !(length > 0.0) || path.throughput == Vec3::ZERO {
+        return None;
+    }
+    let (origin, direction) = (path.ray.origin, path.ray.direction);
+    let camera = MediumStack::from_bits(eye.view.camera.media);
+    let throughput = path.throughput * eye.scene.radiance_scale(camera, media, path.wavelength);
+    let start = if path.start.dot(direction) < 0.0 { -path.start } else { path.start };
+    Some(Segment { origin, direction, length, planes: [start, end], media, throughput }.query(pixel, 0))
+}
+
+/// Leaves at most [`Eye::most_segments`] of the segments of a pixel, those from `first` on: of the last and all that come
+/// later only one, chosen in proportion to the light that it may scatter, which then stands for all of them.
+pub(super) fn limit(eye: &Eye<'_>, pixel: u32, segments: &mut Vec<Query>, first: usize) {
+    let most = eye.most_segments as usize;
+    if segments.len() - first > most {
+        let last = first + most - 1;
+        let pass = eye.pass;
+        let mut sampler =
+            Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Segment, pixel * QUERIES_PER_PIXEL);
+        let (mut total, mut kept) = (0.0, None);
+        for (number, &candidate) in (0..).zip(&segments[last..]) {
+            let weight = weight(eye, &candidate);
+            total += weight;
+            let [word, ..] = sampler.words(BLOCK_SEGMENTS + number);
+            if weight > 0.0 && unit_f32(word) * total < weight {
+                kept = Some((candidate, weight));
+            }
+        }
+        segments.truncate(last);
+        segments.extend(kept.map(|(mut kept, weight)| {
+            kept.throughput = (Vec3::from(kept.throughput) * (total / weight)).into();
+            kept
+        }));
+    }
+    for (number, segment) in (0..).zip(&mut segments[first..]) {
+        segment.path = pixel * QUERIES_PER_PIXEL + number;
+    }
+}
+
+/// Light that a segment scatters into the pixel, if all of it arrives evenly.
+fn weight(eye: &Eye<'_>, query: &Query) -> f32 {
+    let segment = Segment::of(query);
+    let (_, medium) = eye.scene.medium(segment.media);
+    let (extinction, scattering) = (medium.extinction(), Vec3::from(medium.scattering));
+    let lost = Vec3::ONE - flight::transmittance(medium, segment.length);
+    // For small depths the limit.
+    let share = |c: usize| {
+        if lost[c] > 1e-3 { scattering[c] * lost[c] / extinction[c] } else { scattering[c] * segment.length }
+    };
+    (0..3).map(|c| segment.throughput[c] * share(c)).sum()
+}

@@ -1,0 +1,109 @@
+//! Photons in media that scatter light.
+
+use photon_core::flight::{self, FOCUSED_DEPOSITS, Flight};
+use photon_core::glam::Vec3;
+use photon_core::random::{Domain, Sampler, unit_f32};
+use photon_core::{MapKind, MediumStack, Pass, PerMap, Photon, RandomKind, Ray, octahedral, phase};
+
+use super::{PhotonList, Walk};
+
+/// Bit of the blocks of aimed paths, whose numbers may be those of other paths.
+const AIMED_BLOCKS: u32 = 1 << 31;
+
+/// A part of a path between two surfaces, in one medium.
+pub(super) struct Stretch {
+    pub(super) ray: Ray,
+    pub(super) end: f32,
+    pub(super) media: MediumStack,
+    /// Number of surfaces before.
+    pub(super) bounce: u32,
+    pub(super) specular_only: bool,
+}
+
+/// How a path crosses a stretch.
+pub(super) enum Crossing {
+    /// It reaches the end.
+    Passes,
+    /// It is scattered, and goes on along this ray.
+    Collides(Ray),
+    /// It ends.
+    Absorbed,
+}
+
+/// The part of a path's state that belongs to media.
+pub(super) struct MediumWalk {
+    flights: Sampler,
+    deposits: Sampler,
+    is_aimed: bool,
+    /// Number of collisions so far.
+    pub(super) collisions: u32,
+}
+
+impl MediumWalk {
+    #[inline(always)]
+    pub(super) fn new(pass: Pass, path: u32, is_aimed: bool) -> Self {
+        let sampler = |domain| Sampler::new(RandomKind::Counter, pass.seed, pass.index, domain, path);
+        Self { flights: sampler(Domain::Flight), deposits: sampler(Domain::Deposit), is_aimed, collisions: 0 }
+    }
+
+    /// Crosses a stretch: changes `power` to what goes on, and leaves photons in `photons`. Aimed paths never collide: the power
+    /// of those that would is left out.
+    #[inline(never)]
+    pub(super) fn cross(
+        &mut self,
+        walk: &Walk<'_>,
+        stretch: &Stretch,
+        power: &mut Vec3,
+        photons: Option<&mut PerMap<PhotonList>>,
+    ) -> Crossing {
+        let Stretch { ray, end, bounce, specular_only, .. } = *stretch;
+        let event = bounce + self.collisions;
+        // Shadow rays find light that comes straight from a light source.
+        if let Some(photons) = photons.filter(|_| event > 0) {
+            let kind = MapKind::of_path(specular_only, bounce);
+            if walk.wanted[kind] {
+                self.deposit(walk, stretch, *power, &mut photons[kind]);
+            }
+        }
+        let (_, medium) = walk.scene.medium(stretch.media);
+        if self.is_aimed {
+            *power *= flight::transmittance(medium, end);
+            return Crossing::Passes;
+        }
+        let [channel, length, roulette, _] = self.flights.words(2 * event);
+        let found = match flight::sample(medium, *power, end, [channel, length].map(unit_f32)) {
+            Flight::Passes(left) => {
+                *power = left;
+                return Crossing::Passes;
+            }
+            Flight::Collides(found) => found,
+        };
+        if !(unit_f32(roulette) < found.albedo) {
+            return Crossing::Absorbed;
+        }
+        *power = found.power;
+        let [u, v, ..] = self.flights.words(2 * event + 1);
+        let direction = phase::sample(medium.anisotropy, ray.direction, [u, v].map(unit_f32));
+        self.collisions += 1;
+        Crossing::Collides(Ray { origin: ray.origin + ray.direction * found.distance, direction, t_max: f32::INFINITY })
+    }
+
+    /// Leaves the photons of a stretch: several where the light may be focused.
+    fn deposit(&mut self, walk: &Walk<'_>, stretch: &Stretch, power: Vec3, photons: &mut PhotonList) {
+        let Stretch { ray, end, bounce, specular_only, media } = *stretch;
+        let (index, medium) = walk.scene.medium(media);
+        let count = if specular_only { FOCUSED_DEPOSITS } else { 1 };
+        let block = bounce + self.collisions + if self.is_aimed { AIMED_BLOCKS } else { 0 };
+        let [channel, place, ..] = self.deposits.words(block).map(unit_f32);
+        for number in 0..count {
+            let place = (number as f32 + place) / count as f32;
+            let (distance, left) = flight::deposit(medium, power, end, count, [channel, place]);
+            photons.push(Photon {
+                position: (ray.origin + ray.direction * distance).into(),
+                normal: index,
+                power: left.into(),
+                direction: octahedral::pack(-ray.direction),
+            });
+        }
+    }
+}

@@ -44,6 +44,7 @@ pub mod inside;
 pub mod interreflection;
 pub mod lens;
 pub mod many_lights;
+pub mod media;
 pub mod mirrors_and_glass;
 pub mod narrow_estimates;
 pub mod nesting;
@@ -158,6 +159,10 @@ macro_rules! whole_suite {
             dispersion::{
                 p22_prism, p24_slab, even_light_stays_white, gathered_light_stays_white,
                 dispersion_is_required_where_it_is,
+            }
+            media::{
+                p2_airlight, p2_sees_the_direction_of_scattering, p3_shaft, p10_slabs, p12_furnace, p13_body_in_even_light,
+                p14_endless_fog, paths_are_accounted_for,
             }
             nesting::{
                 p20_glass_on_water, camera_in_three_solids, light_in_two_solids, a_fifth_solid_is_counted,

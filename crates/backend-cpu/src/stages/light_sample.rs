@@ -38,7 +38,7 @@ pub(crate) fn sample<const SHADED: bool>(
     normal: Option<Vec3>,
     [u, v]: [u32; 2],
 ) -> Option<LightSample> {
-    let mut power = Vec3::from(light.power);
+    let power = Vec3::from(light.power);
     if light.kind == Light::DIRECTIONAL {
         let area = std::f32::consts::PI * light.radius * light.radius;
         let (mut direction, mut factor) = (-Vec3::from(light.direction), 1.0);
@@ -62,45 +62,62 @@ pub(crate) fn sample<const SHADED: bool>(
     } else {
         Target { to: Vec3::from(light.position), front: Vec3::ZERO, per_pdf: 0.0, at: (0.0, 0.0) }
     };
-    if SHADED && light.kind == Light::TRIANGLE && scene.present.contains(Features::TEXTURED_LIGHTS) {
-        power *= scene.emission_ratio(light, b, c);
-    }
     let gap = to - from;
     let squared = gap.length_squared();
     let distance = squared.sqrt();
     let direction = gap / distance;
     let ray = Ray { origin: from, direction, t_max: distance };
-    if SHADED && light.kind == Light::TRIANGLE && scene.present.contains(Features::COATED_LIGHTS) {
-        power *= scene.emission_through(light.primitive, (b, c), -direction);
-    }
-    // A two-sided light emits half its power on each side; only the side facing the query counts.
-    let sides = if light.flags & Light::BOTH_SIDES != 0 { 0.5 } else { 1.0 };
     if per_pdf > 0.0 {
         // Radiance is power / (π · area).
         let per_power = per_pdf * std::f32::consts::FRAC_1_PI / light.area;
-        let pdf = 1.0 / per_pdf;
-        return Some(LightSample { ray, color: power * sides, factor: per_power, divisor: 1.0, pdf });
+        let (color, pdf) = (power_from_area::<SHADED>(scene, light, (b, c), direction), 1.0 / per_pdf);
+        return Some(LightSample { ray, color, factor: per_power, divisor: 1.0, pdf });
     }
-    // Radiant intensity towards the query.
-    let (intensity, pdf) = match light.kind {
-        Light::POINT => (power * (0.25 * std::f32::consts::FRAC_1_PI), 0.0),
+    let intensity = intensity::<SHADED>(scene, light, (front, (b, c)), direction);
+    if intensity == Vec3::ZERO {
+        return None;
+    }
+    let pdf = if light.kind == Light::TRIANGLE { squared / (light.area * -direction.dot(front)) } else { 0.0 };
+    Some(LightSample { ray, color: intensity, factor: 1.0, divisor: squared, pdf })
+}
+
+/// Power of an area light as it shines from one point of it against `direction`: half of it if it has two sides, of which
+/// only one counts.
+#[inline(always)]
+fn power_from_area<const SHADED: bool>(scene: &CpuScene, light: &Light, (b, c): (f32, f32), direction: Vec3) -> Vec3 {
+    let mut power = Vec3::from(light.power);
+    if SHADED && scene.present.contains(Features::TEXTURED_LIGHTS) {
+        power *= scene.emission_ratio(light, b, c);
+    }
+    if SHADED && scene.present.contains(Features::COATED_LIGHTS) {
+        power *= scene.emission_through(light.primitive, (b, c), -direction);
+    }
+    power * if light.flags & Light::BOTH_SIDES != 0 { 0.5 } else { 1.0 }
+}
+
+/// Radiant intensity of a light that is not infinitely far away, against `direction`; of an area light that of its whole power,
+/// as if emitted with a Lambertian cosine from the point with these barycentric coordinates, where its normal is `front`.
+#[inline(always)]
+pub(crate) fn intensity<const SHADED: bool>(
+    scene: &CpuScene,
+    light: &Light,
+    (front, at): (Vec3, (f32, f32)),
+    direction: Vec3,
+) -> Vec3 {
+    let power = Vec3::from(light.power);
+    match light.kind {
+        Light::POINT => power * (0.25 * std::f32::consts::FRAC_1_PI),
         Light::SPOT => {
             let off = sampling::versine(-direction, light.direction.into());
             let falloff = sampling::spot_falloff(off, light.versine_inner, light.versine_outer);
             let solid_angle = sampling::spot_solid_angle(light.versine_inner, light.versine_outer) as f32;
-            (power * (falloff / solid_angle), 0.0)
+            power * (falloff / solid_angle)
         }
-        // The light's whole power, as if emitted from this point with a Lambertian cosine.
         _ => {
             let cosine = -direction.dot(front);
-            let intensity = power * sides * (cosine * std::f32::consts::FRAC_1_PI).max(0.0);
-            (intensity, squared / (light.area * cosine))
+            power_from_area::<SHADED>(scene, light, at, direction) * (cosine * std::f32::consts::FRAC_1_PI).max(0.0)
         }
-    };
-    if intensity == Vec3::ZERO {
-        return None;
     }
-    Some(LightSample { ray, color: intensity, factor: 1.0, divisor: squared, pdf })
 }
 
 /// The density per solid angle with which [`sample`] samples a direction from `from` that hits the triangle of `light` at

@@ -12,6 +12,7 @@ use photon_core::{
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
+use crate::stages::light_sample::intensity;
 
 /// Traces shadow rays from places on segments to points on the lights.
 #[derive(Debug)]
@@ -107,7 +108,7 @@ fn from_light(
     }
     let far = squared.sqrt();
     let ray = Ray { origin: from, direction: gap / far, t_max: far };
-    let intensity = intensity(scene, light, (front, barycentric), ray.direction);
+    let intensity = intensity::<true>(scene, light, (front, barycentric), ray.direction);
     if intensity == Vec3::ZERO {
         return Vec3::ZERO;
     }
@@ -144,31 +145,6 @@ impl Emitter {
                 Some(Self { at, normal: scene.primitives[primitive].normal.into(), barycentric: (b, c) })
             }
             _ => Some(Self { at: light.position.into(), normal: Vec3::ZERO, barycentric: (0.0, 0.0) }),
-        }
-    }
-}
-
-/// Radiant intensity of a light against `direction`; of an area light that of all of its power, as if emitted here.
-fn intensity(scene: &CpuScene, light: &Light, (front, (b, c)): (Vec3, (f32, f32)), direction: Vec3) -> Vec3 {
-    use std::f32::consts::FRAC_1_PI;
-    let power = Vec3::from(light.power);
-    match light.kind {
-        Light::POINT => power * (0.25 * FRAC_1_PI),
-        Light::SPOT => {
-            let off = sampling::versine(-direction, light.direction.into());
-            let falloff = sampling::spot_falloff(off, light.versine_inner, light.versine_outer);
-            power * (falloff / sampling::spot_solid_angle(light.versine_inner, light.versine_outer) as f32)
-        }
-        _ => {
-            let sides = if light.flags & Light::BOTH_SIDES != 0 { 0.5 } else { 1.0 };
-            let mut radiance = power * (sides * (-direction.dot(front) * FRAC_1_PI).max(0.0));
-            if scene.present.contains(Features::TEXTURED_LIGHTS) {
-                radiance *= scene.emission_ratio(light, b, c);
-            }
-            if scene.present.contains(Features::COATED_LIGHTS) {
-                radiance *= scene.emission_through(light.primitive, (b, c), -direction);
-            }
-            radiance
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::requirements::photon_format::PhotonFormat;
 use crate::requirements::{Requirements, has_receiver, light_features, material_features};
 use crate::scene::SceneView;
 use crate::scene::light::Light;
+use crate::scene::media::MediaFeatures;
 use crate::settings::{Area, Direct, Estimator, Indirect, Settings};
 
 /// A feature, map or stage that a renderer can model, allocate or build.
@@ -153,6 +154,17 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         _ => "caustics in glossy reflections are left out".to_owned(),
     };
     say("those of area lights and environments", required.gloss_caustics_of_all_lights, &why);
+    let scatters = required.media.contains(MediaFeatures::SCATTERING);
+    say(
+        "media that scatter light",
+        scatters,
+        if scatters {
+            "photons in them have maps of 32 bytes each, photon paths and camera paths are traced once more, and shadow rays \
+             start along camera paths too"
+        } else {
+            "no medium has a scattering coefficient"
+        },
+    );
     let any_map = required.maps.any();
     say(
         "photons",

@@ -162,7 +162,7 @@ macro_rules! whole_suite {
             }
             media::{
                 p2_airlight, p2_sees_the_direction_of_scattering, p3_shaft, p10_slabs, p12_furnace, p13_body_in_even_light,
-                p14_endless_fog, paths_are_accounted_for,
+                p14_endless_fog, paths_are_accounted_for, what_media_do_not_go_with_is_refused,
             }
             nesting::{
                 p20_glass_on_water, camera_in_three_solids, light_in_two_solids, a_fifth_solid_is_counted,

@@ -265,3 +265,38 @@ pub fn paths_are_accounted_for<T: TestBackend>() {
     }
     assert!(tally.absorbed > tally.emitted / 2 && tally.dropped == 0, "{tally:?}");
 }
+
+/// What cannot be rendered with such media is refused, with the remedy.
+pub fn what_media_do_not_go_with_is_refused<T: TestBackend>() {
+    let scene = endless(1.0, 90.0);
+    let refused = |scene: &Scene, fog: Fog, settings: &Settings| {
+        let (media, view) = (fog.at(scene, 0), View { camera: scene.camera(None, 4, 4).unwrap(), width: 4, height: 4 });
+        let made = Pipeline::new(T::make(1), &SceneView { media: &media, ..scene.view() }, view, settings.clone());
+        made.err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    let (thin, plain) = (Fog::new(1.0, 0.9, 0.0), fixed_radius(0.1));
+    for (settings, expected) in [
+        (Settings { indirect: photon_core::Indirect::Gather, ..plain.clone() }, "--indirect map"),
+        (Settings { errors: true, ..plain.clone() }, "no error statistics"),
+        (
+            Settings { estimator: photon_core::Estimator::Knn { k: 50, max_radius: None }, ..plain.clone() },
+            "by a radius",
+        ),
+        (plain.clone(), ""),
+    ] {
+        let found = refused(&scene, thin, &settings);
+        assert_eq!(found.is_empty(), expected.is_empty(), "{found}");
+        assert!(found.contains(expected), "{found}");
+    }
+    let found = refused(&scene, Fog::new(1e6, 0.9, 0.0), &plain);
+    assert!(found.contains("albedo [0.4"), "{found}");
+    // Absorption alone may be as dense as it likes; then nothing in this scene shows light.
+    assert!(refused(&scene, Fog::new(1e6, 0.0, 0.0), &plain).contains("no surface"));
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(MaterialDesc::lambert("floor", [0.5; 3]));
+    builder.quad("floor", [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]], grey);
+    builder.light("sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [1.0; 3] });
+    camera(&mut builder, [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], 0.5);
+    let found = refused(&builder.build().unwrap(), thin, &plain);
+    assert!(found.contains("from infinity"), "{found}");
+}

@@ -1,6 +1,9 @@
 //! [`SceneBuilder`]: assembles a scene from materials, meshes, lights and cameras.
 
-use crate::describe::{CameraDesc, LightDesc, MaterialDesc, warn_of_clamped_indices};
+use crate::describe::{
+    AmbientMedium, CameraDesc, LightDesc, MaterialDesc, check_density, warn_of_clamped_anisotropy,
+    warn_of_clamped_indices,
+};
 use crate::environment::{EnvironmentDesc, Sun};
 use crate::error::SceneError;
 use crate::mesh::{Mesh, VertexAttributes};
@@ -43,6 +46,8 @@ pub struct SceneBuilder {
     pub(crate) sun: Option<Sun>,
     pub(crate) environment_text: Option<String>,
     pub(crate) portals: Vec<PortalDesc>,
+    /// The medium around all solids; `None` for a vacuum.
+    pub(crate) medium: Option<AmbientMedium>,
     pub(crate) cameras: Vec<(String, CameraDesc)>,
 }
 
@@ -122,6 +127,11 @@ impl SceneBuilder {
     /// of an environment, and is replaced by those that are set later.
     pub fn sun(&mut self, sun: Sun) {
         self.sun = Some(sun);
+    }
+
+    /// Sets the medium around all solids, without bounds; replaces one that was set before.
+    pub fn medium(&mut self, medium: AmbientMedium) {
+        self.medium = Some(medium);
     }
 
     /// Adds a portal: triangles in user space that fill an opening, such as a window, through which light from infinitely
@@ -208,7 +218,9 @@ impl SceneBuilder {
         let mut warnings = Vec::new();
         frame.warn(&mut warnings);
         solids::warn(&geometry, &self.materials, &mut warnings);
+        check_density(&self.materials, self.medium.as_ref(), frame.scale)?;
         warn_of_clamped_indices(&self.materials, &mut warnings);
+        warn_of_clamped_anisotropy(&self.materials, self.medium.as_ref(), &mut warnings);
         let touching = contact::Source {
             meshes: &self.meshes,
             materials: &self.materials,
@@ -225,7 +237,7 @@ impl SceneBuilder {
             radiances,
             &mut warnings,
         )?;
-        let (mut materials, media) = lights::materials(&self.materials, &geometry, &lit, frame)?;
+        let (mut materials, media) = lights::materials(&self.materials, self.medium.as_ref(), &geometry, &lit, frame)?;
         let portals = portals::table(&self, frame, geometry.radius)?;
         let shading = shading::tables(source, &geometry, &mut materials, &mut warnings);
         let units = Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power };

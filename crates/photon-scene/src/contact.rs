@@ -28,8 +28,8 @@ use planes::Touching;
 use shift::{GAP, Raised};
 use warnings::Findings;
 
-/// Refractive index, absorption, priority and dispersion of a solid.
-type SolidMedium = (f64, [f64; 3], u32, Option<Dispersion>);
+/// Refractive index, absorption, priority, dispersion and scattering of a solid.
+type SolidMedium = (f64, [f64; 3], u32, Option<Dispersion>, [f64; 3], f64);
 
 /// The scene that is separated.
 #[derive(Clone, Copy)]
@@ -115,7 +115,10 @@ impl Source<'_> {
     fn medium(&self, mesh: usize) -> Option<SolidMedium> {
         let desc = self.material(mesh);
         let of = |surface: &Surface| match *surface {
-            Surface::Dielectric { ior, absorption, .. } => Some((ior, absorption, desc.priority, desc.dispersion)),
+            Surface::Dielectric { ior, absorption, .. } => {
+                let (scattering, g) = (desc.scattering, desc.scattering_anisotropy);
+                Some((ior, absorption, desc.priority, desc.dispersion, scattering, g))
+            }
             _ => None,
         };
         of(&desc.surface).or_else(|| desc.transmitting_surface().as_ref().and_then(of))

@@ -6,11 +6,14 @@
 mod camera;
 mod dispersion;
 mod light;
+mod medium;
 
 pub use self::camera::{CameraDesc, Projection, ThinLens};
 pub use self::dispersion::Dispersion;
 pub(crate) use self::dispersion::warn as warn_of_clamped_indices;
 pub use self::light::LightDesc;
+pub use self::medium::AmbientMedium;
+pub(crate) use self::medium::{check_density, record as medium_record, warn as warn_of_clamped_anisotropy};
 use crate::texture::TexturesDesc;
 
 /// How a surface scatters light. Colours are linear RGB in `[0, 1]`.
@@ -104,6 +107,12 @@ pub struct MaterialDesc {
     pub priority: u32,
     /// Formula of the refractive index by the wavelength; `None` if it does not depend on it. For solids alone, as [`Self::priority`].
     pub dispersion: Option<Dispersion>,
+    /// Scattering coefficient inside, per user length, linear RGB, finite and ≥ 0: milk, wax, mist. Only for
+    /// [`Surface::Dielectric`].
+    pub scattering: [f64; 3],
+    /// Mean cosine g of the Henyey–Greenstein phase function of that scattering, in (−1, 1): 0 scatters evenly, 1 forwards.
+    /// Beyond ±0.999 it is rendered as ±0.999.
+    pub scattering_anisotropy: f64,
     /// Factor on the alpha of the surface, in `[0, 1]`.
     pub alpha: f64,
     /// What alpha does. Emitted light is covered like the surface. Not for [`Surface::Dielectric`], whose mesh must be
@@ -159,6 +168,8 @@ impl MaterialDesc {
             emits_both_sides: false,
             priority: 0,
             dispersion: None,
+            scattering: [0.0; 3],
+            scattering_anisotropy: 0.0,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             specular_color: [1.0; 3],
@@ -212,6 +223,13 @@ impl MaterialDesc {
     #[must_use]
     pub fn thin(name: impl Into<String>, ior: f64) -> Self {
         Self::new(name, Surface::Thin { ior, tint: [1.0; 3], roughness: 0.0 })
+    }
+
+    /// The boundary of a medium of this absorption coefficient, as of [`Surface::Dielectric`], which neither reflects nor
+    /// refracts light: mist, smoke, ink. A dielectric of refractive index 1; light that passes it counts as a caustic.
+    #[must_use]
+    pub fn boundary(name: impl Into<String>, absorption: [f64; 3]) -> Self {
+        Self::new(name, Surface::Dielectric { ior: 1.0, absorption, tint: [1.0; 3], roughness: 0.0 })
     }
 
     /// A diffuse surface whose front emits `radiance`, W/(m²·sr).
@@ -274,6 +292,12 @@ impl MaterialDesc {
         Self { alpha, alpha_mode, ..self }
     }
 
+    /// The material with this [`Self::scattering`] and [`Self::scattering_anisotropy`].
+    #[must_use]
+    pub fn with_scattering(self, scattering: [f64; 3], scattering_anisotropy: f64) -> Self {
+        Self { scattering, scattering_anisotropy, ..self }
+    }
+
     /// The material with this [`Self::priority`].
     #[must_use]
     pub fn with_priority(self, priority: u32) -> Self {
@@ -323,7 +347,7 @@ impl MaterialDesc {
         self.emission != [0.0; 3]
     }
 
-    /// Whether light passes unchanged: a refractive index of 1 without absorption, tint or
+    /// Whether light passes unchanged: a refractive index of 1 without absorption, scattering, tint or
     /// emission, or [`AlphaMode::Blend`] with an alpha of 0.
     #[must_use]
     pub fn is_invisible(&self) -> bool {
@@ -337,6 +361,6 @@ impl MaterialDesc {
             Surface::Thin { ior, tint, .. } => ior == 1.0 && tint == [1.0; 3],
             Surface::Lambert { .. } | Surface::Mirror { .. } | Surface::Glossy { .. } => false,
         };
-        clear && !self.is_emissive() && self.textures.base_color.is_none()
+        clear && self.scattering == [0.0; 3] && !self.is_emissive() && self.textures.base_color.is_none()
     }
 }

@@ -32,6 +32,16 @@ pub enum SceneError {
         /// The valid range.
         hint: &'static str,
     },
+    /// A property of the ambient medium is out of range.
+    #[error("the ambient medium: {property} is {}, but {hint}", shown(value))]
+    Medium {
+        /// Name of the property.
+        property: &'static str,
+        /// Its value.
+        value: String,
+        /// The valid range.
+        hint: &'static str,
+    },
     /// An environment has a property out of range, or an unsuitable image.
     #[error("environment '{}': {}; {hint}", shown(environment), shown(what))]
     Environment {

@@ -37,7 +37,9 @@ mod validate;
 pub use builder::{MaterialId, SceneBuilder};
 pub use builtin::{FurnaceShape, IntegratingSphere, builtin, builtin_names, furnace, plates};
 pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode, CompressedTree};
-pub use describe::{AlphaMode, CameraDesc, Dispersion, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
+pub use describe::{
+    AlphaMode, AmbientMedium, CameraDesc, Dispersion, LightDesc, MaterialDesc, Projection, Surface, ThinLens,
+};
 pub use environment::{Environment, EnvironmentDesc, EnvironmentSource, Sun};
 pub use error::SceneError;
 #[cfg(feature = "files")]

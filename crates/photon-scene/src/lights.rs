@@ -1,6 +1,6 @@
 //! The tables of lights and materials, with powers relative to the scene's total power.
 
-use crate::describe::{AlphaMode, LightDesc, MaterialDesc, Surface};
+use crate::describe::{AlphaMode, AmbientMedium, LightDesc, MaterialDesc, Surface, medium_record};
 use crate::environment::Sun;
 use crate::error::SceneError;
 use crate::normalise::{Frame, Geometry};
@@ -169,9 +169,10 @@ fn mean(power: DVec3) -> f64 {
 }
 
 /// The materials, in the order in which they were added, then the glass of those in use that are partly glass, in the same
-/// order; and the table of media that they refer to.
+/// order; and the table of media that they refer to, the ambient medium first.
 pub(crate) fn materials(
     descs: &[MaterialDesc],
+    ambient: Option<&AmbientMedium>,
     geometry: &Geometry,
     lit: &Lit,
     frame: Frame,
@@ -184,7 +185,7 @@ pub(crate) fn materials(
     for &(_, material) in &geometry.primitives {
         in_use[material as usize] = true;
     }
-    let mut media = vec![Medium::VACUUM];
+    let mut media = vec![ambient.map_or(Medium::VACUUM, |medium| medium.record(frame.scale))];
     let mut all_glass = Vec::new();
     let mut materials: Vec<Material> = descs
         .iter()
@@ -252,9 +253,12 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
         Surface::Dielectric { tint, .. } if !in_use => Material { albedo: colour(tint), ..of(MaterialKind::Lambert) },
         Surface::Dielectric { ior, absorption, tint, roughness } => {
             let dispersed = desc.dispersion.map(|dispersion| dispersion.medium(ior));
+            let Medium { absorption, scattering, anisotropy, .. } =
+                medium_record(absorption, desc.scattering, desc.scattering_anisotropy, frame.scale);
             let medium = Medium {
-                // Opaque beyond a few units anyway; an infinity would give 0 · ∞ at zero distance.
-                absorption: absorption.map(|part| (part * frame.scale).min(1e30) as f32),
+                absorption,
+                scattering,
+                anisotropy,
                 priority: desc.priority,
                 ..dispersed.unwrap_or(Medium { ior: ior as f32, ..Medium::VACUUM })
             };
@@ -284,7 +288,7 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
     }
 }
 
-/// Index of a medium in the table, after the vacuum; equal media share an entry.
+/// Index of a medium in the table, after the ambient one; equal media share an entry.
 fn index_of(media: &mut Vec<Medium>, medium: Medium) -> u32 {
     let found = media.iter().skip(1).position(|known| *known == medium).map(|index| index + 1);
     let index = found.unwrap_or_else(|| {

@@ -3,7 +3,7 @@
 mod textures;
 
 use crate::builder::SceneBuilder;
-use crate::describe::{AlphaMode, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
+use crate::describe::{AlphaMode, AmbientMedium, CameraDesc, LightDesc, MaterialDesc, Projection, Surface, ThinLens};
 use crate::environment::Sun;
 use crate::error::SceneError;
 use crate::mesh::Mesh;
@@ -35,6 +35,9 @@ pub(crate) fn check(scene: &SceneBuilder) -> Result<(), SceneError> {
             value,
             hint,
         })?;
+    }
+    if let Some(medium) = &scene.medium {
+        ambient(medium).map_err(|(property, value, hint)| SceneError::Medium { property, value, hint })?;
     }
     if let Some(sun) = &scene.sun {
         disc(sun).map_err(|(property, value, hint)| SceneError::Light {
@@ -87,6 +90,12 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
             )?;
         }
     }
+    not_negative("scattering", desc.scattering)?;
+    mean_cosine(desc.scattering_anisotropy)?;
+    if desc.scattering != [0.0; 3] && !matches!(desc.surface, Surface::Dielectric { .. }) {
+        let hint = "light is scattered inside solid glass alone: make it glass or a boundary, or leave scattering out";
+        return Err(("scattering", format!("{:?}", desc.scattering), hint));
+    }
     not_negative("emission", desc.emission)?;
     not_negative("specular_color", desc.specular_color)?;
     fractions("diffuse_transmission_color", desc.diffuse_transmission_color)?;
@@ -125,6 +134,16 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
         desc.alpha_mode,
         "the boundary of a solid must be closed; make it opaque, or a thin sheet",
     )
+}
+
+fn ambient(medium: &AmbientMedium) -> Result<(), Fault> {
+    not_negative("scattering", medium.scattering)?;
+    not_negative("absorption", medium.absorption)?;
+    mean_cosine(medium.anisotropy)
+}
+
+fn mean_cosine(g: f64) -> Result<(), Fault> {
+    require(g.abs() < 1.0, "anisotropy", g, "the mean cosine of scattering must lie between -1 and 1, both excluded")
 }
 
 fn refractive(ior: f64) -> Result<(), Fault> {

@@ -140,7 +140,8 @@ impl Patch<'_> {
             (!material.is_emissive(), !matches!(material.surface, crate::Surface::Thin { .. }))
         };
         let text = |patch: &Self| {
-            format!("{:?}", (&patch.material.surface, patch.material.emission, patch.material.dispersion))
+            let MaterialDesc { surface, emission, dispersion, scattering, .. } = patch.material;
+            format!("{:?}", (surface, emission, dispersion, scattering))
         };
         let by_corner = || {
             let pairs = self.corner.iter().zip(&other.corner);

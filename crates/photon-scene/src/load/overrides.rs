@@ -2,6 +2,7 @@
 
 mod add;
 mod frame;
+mod medium;
 
 use self::add::add_light;
 use self::frame::Frame;
@@ -12,6 +13,7 @@ use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, Dispersion, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::report::LoadReport;
+use crate::texture::TexturesDesc;
 use photon_core::shown;
 use std::path::{Path, PathBuf};
 
@@ -77,7 +79,7 @@ impl Overrides {
     }
 
     /// Modifies a scene: converts the units of its lights, changes materials, then adds quadrilaterals, lights and cameras,
-    /// and sets the environment. The new cameras are inserted before existing ones, so that the first of them is the default.
+    /// and sets the environment and the ambient medium. The new cameras are inserted before existing ones, so that the first of them is the default.
     ///
     /// Removes report lines about materials whose surface is now given by the override file.
     ///
@@ -118,6 +120,9 @@ impl Overrides {
                 scene.environment_from(&desc)?;
             }
             self.portals(environment, frame, scene)?;
+        }
+        if let Some(medium) = &self.file.medium {
+            self.medium(medium, scene)?;
         }
         let mut cameras = Vec::new();
         for camera in &self.file.cameras {
@@ -167,7 +172,8 @@ impl Overrides {
     }
 
     fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
-        let before = kind_of(&desc.surface);
+        self.check_media_keys(&desc.name, with)?;
+        let before = kind_of(&desc.surface, with.kind);
         let kind = with.kind.unwrap_or(before);
         if kind != before {
             // A texture keeps its factor, and a sheet or solid that had one too; diffuse and glossy surfaces their colour.
@@ -178,6 +184,7 @@ impl Overrides {
                 Kind::Lambert => Surface::Lambert { albedo: color.unwrap_or([0.5; 3]) },
                 Kind::Mirror => Surface::Mirror { reflectance: color.unwrap_or([1.0; 3]) },
                 Kind::Glass => Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3], roughness: 0.0 },
+                Kind::Boundary => MaterialDesc::boundary("", [0.0; 3]).surface,
                 Kind::Thin => Surface::Thin { ior: 1.5, tint: [1.0; 3], roughness: 0.0 },
                 Kind::Glossy => Surface::Glossy {
                     base_color: color.unwrap_or([0.5; 3]),
@@ -188,7 +195,16 @@ impl Overrides {
                 },
             };
         }
-        if kind == Kind::Glass || kind != before {
+        let is_boundary = kind == Kind::Boundary;
+        if is_boundary {
+            // It changes the medium, and nothing else.
+            if let Surface::Dielectric { absorption, .. } = desc.surface {
+                desc.surface = MaterialDesc::boundary("", absorption).surface;
+            }
+            (desc.textures, desc.dispersion) = (TexturesDesc::default(), None);
+            (desc.emission, desc.emits_both_sides) = ([0.0; 3], false);
+        }
+        if is_boundary || kind == Kind::Glass || kind != before {
             // Another kind of surface is there everywhere, and a solid always is.
             (desc.alpha, desc.alpha_mode, desc.textures.alpha) = (1.0, AlphaMode::Opaque, None);
         }
@@ -224,7 +240,8 @@ impl Overrides {
             desc.textures.clearcoat_normal = None;
         }
         let (mut new_clearcoat, mut new_clearcoat_roughness) = (with.clearcoat, with.clearcoat_roughness);
-        if !matches!(kind, Kind::Glass | Kind::Thin) {
+        let is_glass = matches!(kind, Kind::Glass | Kind::Boundary | Kind::Thin);
+        if !is_glass {
             desc.clearcoat = new_clearcoat.take().unwrap_or(desc.clearcoat);
             desc.clearcoat_roughness = new_clearcoat_roughness.take().unwrap_or(desc.clearcoat_roughness);
         }
@@ -235,7 +252,7 @@ impl Overrides {
             (desc.sheen_roughness, desc.textures.sheen_roughness) = (0.0, None);
         }
         let (mut new_sheen, mut new_sheen_roughness) = (with.sheen, with.sheen_roughness);
-        if !matches!(kind, Kind::Glass | Kind::Thin) {
+        if !is_glass {
             desc.sheen_color = new_sheen.take().map_or(desc.sheen_color, |given| given.rgb());
             desc.sheen_roughness = new_sheen_roughness.take().unwrap_or(desc.sheen_roughness);
         }
@@ -260,7 +277,9 @@ impl Overrides {
         }
         if kind != before {
             desc.transmission_absorption = None;
+            (desc.scattering, desc.scattering_anisotropy) = ([0.0; 3], 0.0);
         }
+        let mut new_scattering = with.scattering;
         let mut new_dispersion = self.dispersion(&desc.name, with)?;
         // One that gives the refractive index itself is replaced by another index.
         let is_replaced = with.ior.is_some() && !matches!(desc.dispersion, Some(Dispersion::Abbe(_)));
@@ -283,10 +302,14 @@ impl Overrides {
                 *colour = new_albedo.take().map_or(*colour, |given| given.rgb());
             }
             Surface::Dielectric { ior, absorption, tint, roughness } => {
-                *roughness = new_roughness.take().unwrap_or(*roughness);
-                *ior = new_ior.take().unwrap_or(*ior);
+                if !is_boundary {
+                    *roughness = new_roughness.take().unwrap_or(*roughness);
+                    *ior = new_ior.take().unwrap_or(*ior);
+                    *tint = new_tint.take().map_or(*tint, |given| given.rgb());
+                }
                 *absorption = new_absorption.take().map_or(*absorption, |given| given.rgb());
-                *tint = new_tint.take().map_or(*tint, |given| given.rgb());
+                desc.scattering = new_scattering.take().map_or(desc.scattering, |given| given.rgb());
+                desc.scattering_anisotropy = new_anisotropy.take().unwrap_or(desc.scattering_anisotropy);
                 desc.priority = new_priority.take().unwrap_or(desc.priority);
             }
             Surface::Thin { ior, tint, roughness } => {
@@ -312,6 +335,7 @@ impl Overrides {
             }
         }
         if desc.is_solid()
+            && !is_boundary
             && let Some(dispersion) = new_dispersion.take()
         {
             *desc = desc.clone().with_dispersion(dispersion);
@@ -322,6 +346,7 @@ impl Overrides {
             (new_dispersion.map_or("dispersion", Dispersion::name), new_dispersion.is_some()),
             ("tint", new_tint.is_some()),
             ("absorption", new_absorption.is_some()),
+            ("scattering", new_scattering.is_some()),
             ("priority", new_priority.is_some()),
             ("metallic", new_metallic.is_some()),
             ("roughness", new_roughness.is_some()),
@@ -336,16 +361,18 @@ impl Overrides {
             ("transmission", new_share.is_some()),
             ("sheen", new_sheen.is_some()),
             ("sheen_roughness", new_sheen_roughness.is_some()),
+            ("emission", is_boundary && with.emission.is_some()),
+            ("emits_both_sides", is_boundary && with.emits_both_sides.is_some()),
         ];
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
             let hint = "lambert and mirror have albedo, glass has ior, cauchy, abbe, sellmeier, tint, roughness, \
-                        absorption and priority, thin has ior, tint and roughness, \
+                        absorption, scattering, anisotropy, priority, boundary the last 4, thin ior, tint, roughness, \
                         glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy, \
-                        anisotropy_degrees and transmission, and with that absorption, priority and, if it absorbs, \
+                        anisotropy_degrees, transmission, and with that absorption, priority and, if it absorbs, \
                         cauchy, abbe and sellmeier, \
-                        all but glass and thin have clearcoat, clearcoat_roughness, sheen and sheen_roughness, \
+                        all but boundary, glass and thin have clearcoat, clearcoat_roughness, sheen and sheen_roughness, \
                         lambert and glossy diffuse_transmission and diffuse_transmission_color; \
                         give another kind, or leave it out";
             return Err(self.fault(what, hint));
@@ -366,8 +393,10 @@ fn color_of(surface: &Surface) -> [f64; 3] {
     }
 }
 
-fn kind_of(surface: &Surface) -> Kind {
+/// The kind of a surface; boundaries are glass unless a boundary is asked for.
+fn kind_of(surface: &Surface, given: Option<Kind>) -> Kind {
     match surface {
+        Surface::Dielectric { ior: 1.0, .. } if given == Some(Kind::Boundary) => Kind::Boundary,
         Surface::Lambert { .. } => Kind::Lambert,
         Surface::Mirror { .. } => Kind::Mirror,
         Surface::Dielectric { .. } => Kind::Glass,

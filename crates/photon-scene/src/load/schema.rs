@@ -15,6 +15,7 @@ pub(super) struct File {
     pub(super) quads: Vec<Quad>,
     pub(super) cameras: Vec<Camera>,
     pub(super) environment: Option<Environment>,
+    pub(super) medium: Option<Medium>,
 }
 
 /// `[materials."name"]`: the given properties replace those of the scene.
@@ -32,6 +33,12 @@ pub(super) struct Material {
     pub(super) sellmeier: Option<[f64; 6]>,
     pub(super) absorption: Option<Colour>,
     pub(super) tint: Option<Colour>,
+    pub(super) scattering: Option<Colour>,
+    pub(super) phase: Option<String>,
+    pub(super) droplet_micrometres: Option<f64>,
+    pub(super) grid: Option<PathBuf>,
+    pub(super) transform: Option<[[f64; 4]; 4]>,
+    pub(super) density_scale: Option<f64>,
     pub(super) priority: Option<u32>,
     pub(super) metallic: Option<f64>,
     pub(super) roughness: Option<f64>,
@@ -58,6 +65,7 @@ pub(super) enum Kind {
     Lambert,
     Mirror,
     Glass,
+    Boundary,
     Thin,
     Glossy,
 }
@@ -149,6 +157,19 @@ pub(super) struct Camera {
 
 fn upwards() -> [f64; 3] {
     [0.0, 1.0, 0.0]
+}
+
+/// `[medium]`: the medium around all solids.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Medium {
+    pub(super) scattering: Option<Colour>,
+    pub(super) absorption: Option<Colour>,
+    pub(super) anisotropy: Option<f64>,
+    pub(super) phase: Option<String>,
+    pub(super) droplet_micrometres: Option<f64>,
+    #[serde(rename = "box")]
+    pub(super) bounds: Option<[[f64; 3]; 2]>,
 }
 
 /// `[environment]`: at most one of `file`, `radiance` and `sky`, and portals.

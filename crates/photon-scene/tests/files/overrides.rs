@@ -374,3 +374,77 @@ fn the_example_files_are_sound() {
     }
     assert!(count >= 2);
 }
+
+/// The ambient medium is entry 0 of the table of media, those of solids follow; coefficients are per normalised length.
+#[test]
+fn media_are_overridden() {
+    let folder = Folder::new("override-media");
+    folder.file("scene materials.mtl", MTL);
+    let obj = folder.file("scene.obj", OBJ);
+    let parse = |text: &str| Overrides::parse(text, Path::new("over.toml"));
+    let scene = |text: &str| load(&obj, Some(&parse(text).expect("a sound file"))).expect("a scene").0;
+    let near = |found: [f32; 3], user: [f64; 3], scale: f64| {
+        found.iter().zip(user).all(|(found, user)| (f64::from(*found) - user * scale).abs() <= 1e-6 * user * scale)
+    };
+    let fog = scene("[medium]\nscattering = [0.5, 0.25, 1]\nabsorption = 0.125\nanisotropy = 0.5\nphase = \"hg\"\n");
+    let (around, scale) = (fog.view().media[0], fog.units().scale);
+    assert!(near(around.scattering, [0.5, 0.25, 1.0], scale) && near(around.absorption, [0.125; 3], scale));
+    assert_eq!((around.anisotropy, around.ior, around.priority), (0.5, 1.0, 0));
+    for nothing in ["", "[medium]\nscattering = 0\nanisotropy = 0.5\n"] {
+        assert_eq!(scene(nothing).view().media[0], Medium::VACUUM, "{nothing}");
+    }
+    let milk = "scattering = 2\nanisotropy = -0.25\npriority = 3\n";
+    for (kind, ior) in [("glass", 1.5), ("boundary", 1.0)] {
+        let scene = scene(&format!("[materials.wall]\nkind = \"{kind}\"\nabsorption = 1\n{milk}"));
+        let wall = *material(&scene, "wall");
+        let inside = scene.view().media[wall.medium as usize];
+        assert_eq!((wall.kind, wall.ior, wall.albedo), (MaterialKind::Dielectric as u32, ior, [1.0; 3]), "{kind}");
+        assert!(near(inside.scattering, [2.0; 3], scale) && near(inside.absorption, [1.0; 3], scale), "{kind}");
+        assert_eq!((inside.anisotropy, inside.ior, inside.priority), (-0.25, ior, 3), "{kind}");
+    }
+    // Without coefficients a boundary bounds a vacuum, whatever its phase function: here a cavity in what it touches.
+    let empty = scene("[materials.wall]\nkind = \"boundary\"\nanisotropy = 0.5\n");
+    assert_eq!(empty.view().media[material(&empty, "wall").medium as usize], Medium::VACUUM);
+    let clamped = scene("[medium]\nscattering = 1\nanisotropy = 0.9999\n");
+    assert_eq!(clamped.view().media[0].anisotropy, 0.999);
+    assert!(clamped.warnings().iter().any(|text| text.contains("ambient") && text.contains("0.9999")));
+
+    let fault = |text: &str| message(parse(text).and_then(|overrides| load(&obj, Some(&overrides))));
+    let glass = |keys: &str| fault(&format!("[materials.wall]\nkind = \"glass\"\n{keys}\n"));
+    for value in ["-0.5", "nan", "inf", "[0, 0, -1]"] {
+        for key in ["scattering", "absorption"] {
+            names(&fault(&format!("[medium]\n{key} = {value}\n")), &["ambient medium", key, "at least 0"]);
+            names(&glass(&format!("{key} = {value}")), &["'wall'", key, "at least 0"]);
+        }
+    }
+    for g in ["1", "-1", "1.5", "nan", "inf"] {
+        names(&fault(&format!("[medium]\nanisotropy = {g}\n")), &["ambient medium", "anisotropy", "-1 and 1"]);
+        names(&glass(&format!("anisotropy = {g}")), &["'wall'", "anisotropy", "-1 and 1"]);
+    }
+    for kind in ["lambert", "mirror", "thin", "glossy"] {
+        let text = format!("[materials.wall]\nkind = \"{kind}\"\nscattering = 1\n");
+        names(&fault(&text), &["'wall'", kind, "no scattering", "glass has"]);
+    }
+    names(
+        &fault("[materials.wall]\nkind = \"glossy\"\ntransmission = 0.5\nscattering = 1\n"),
+        &["'wall'", "glossy", "no scattering"],
+    );
+    for (key, value) in [("ior", "1.5"), ("tint", "0.5"), ("roughness", "0"), ("abbe", "60"), ("emission", "1")] {
+        let text = format!("[materials.wall]\nkind = \"boundary\"\n{key} = {value}\n");
+        names(&fault(&text), &["'wall'", "boundary", "no ", key]);
+    }
+    for phase in ["rayleigh", "mie"] {
+        names(&fault(&format!("[medium]\nphase = \"{phase}\"\n")), &["[medium]", phase, "not supported yet", "hg"]);
+        names(&glass(&format!("phase = \"{phase}\"")), &["'wall'", phase, "not supported yet", "hg"]);
+    }
+    names(&fault("[medium]\nphase = \"isotropic\"\n"), &["[medium]", "unknown phase", "isotropic", "hg"]);
+    names(&fault("[medium]\ndroplet_micrometres = 10\n"), &["[medium]", "droplet_micrometres", "mie"]);
+    names(&fault("[medium]\nbox = [[0, 0, 0], [1, 1, 1]]\n"), &["box", "not supported yet", "boundary"]);
+    for (key, value) in [("grid", "\"a.vol\""), ("density_scale", "1")] {
+        names(&glass(&format!("{key} = {value}")), &["'wall'", key, "not supported yet"]);
+    }
+    names(&fault("[medium]\nscatering = 1\n"), &["line 2", "scatering", "`scattering`"]);
+    // Too dense to trace: the albedo of an equivalent surface is in the message.
+    names(&glass("scattering = 1e7\nabsorption = 1e5"), &["'wall'", "scattering", "lambert", "[0.79"]);
+    names(&fault("[medium]\nscattering = 1e300\n"), &["ambient medium", "scattering", "thinner"]);
+}

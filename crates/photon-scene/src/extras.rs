@@ -78,6 +78,10 @@ pub(crate) enum MaterialExtras {
         priority: u32,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         dispersion: Option<DispersionExtras>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        scattering: Option<Triple>,
+        #[serde(default, skip_serializing_if = "Exact::is_zero")]
+        anisotropy: Exact,
         emission: Triple,
         emits_both_sides: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -194,6 +198,8 @@ impl MaterialExtras {
                 roughness: Exact(roughness),
                 priority: *priority,
                 dispersion: desc.dispersion.map(DispersionExtras::new),
+                scattering: (desc.scattering != [0.0; 3]).then(|| exact(desc.scattering)),
+                anisotropy: Exact(desc.scattering_anisotropy),
                 emission,
                 emits_both_sides,
                 textures,
@@ -243,6 +249,10 @@ impl MaterialExtras {
             _ => (0.0, None, 0, None),
         };
         let dispersion = dispersion.map(DispersionExtras::plain);
+        let (scattering, mean_cosine) = match &self {
+            Self::Glass { scattering, anisotropy, .. } => (scattering.map_or([0.0; 3], plain), anisotropy.0),
+            _ => ([0.0; 3], 0.0),
+        };
         let [clearcoat, clearcoat_roughness] = match &self {
             Self::Lambert { clearcoat: Some(both), .. }
             | Self::Mirror { clearcoat: Some(both), .. }
@@ -303,7 +313,7 @@ impl MaterialExtras {
         let base = MaterialDesc::new(name, surface).with_specular_color(specular_color);
         let base = base.with_clearcoat(clearcoat, clearcoat_roughness).with_anisotropy(anisotropy, rotation);
         let base = base.with_diffuse_transmission(share, color).with_sheen(sheen_color, sheen_roughness);
-        let base = base.with_transmission(transmission, absorption);
+        let base = base.with_transmission(transmission, absorption).with_scattering(scattering, mean_cosine);
         Some(MaterialDesc { emission, emits_both_sides, priority, dispersion, textures, ..base })
     }
 }

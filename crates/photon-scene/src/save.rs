@@ -34,16 +34,21 @@ use crate::shading;
 ///
 /// glTF has single precision. `extras.photonmap` of materials, of nodes with lights or cameras and of primitives store
 /// the same numbers in double precision, as decimal strings, or as the index of a buffer view with 64-bit floats; also
-/// the priority of a solid, the formula of its dispersion, and whether a non-emissive surface would emit from both sides. Textures of floats are written
+/// the priority of a solid, the formula of its dispersion, its scattering (whose extension of glTF is a draft), and whether a
+/// non-emissive surface would emit from both sides. Textures of floats are written
 /// as floats beside their PNG. The loader uses them as long
 /// as they agree with the standard glTF content.
 ///
 /// # Errors
 /// The errors of [`SceneBuilder::build`], and [`SceneError::Extreme`] for numbers beyond single precision or a file
-/// beyond 4 GiB. [`SceneError::Export`] for what glTF has no place for: an environment, portals, base colours and emission of
+/// beyond 4 GiB. [`SceneError::Export`] for what glTF has no place for: an environment, portals, an ambient medium, base colours and emission of
 /// linear bytes, normal maps in sRGB, and transforms of textures with shear.
 pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     refuse_environment(scene)?;
+    if scene.medium.is_some_and(|medium| !medium.is_vacuum()) {
+        let hint = "write the scene without it, and give it again in an override file when the file is rendered";
+        return Err(SceneError::Export { what: "the ambient medium".to_owned(), hint });
+    }
     scene.clone().build()?;
     let mut file = File::default();
     let mut descs = scene.materials.clone();

@@ -40,7 +40,8 @@ fn everything() -> SceneBuilder {
         MaterialDesc::lambert("diffuse", [third, 0.7, 0.0]),
         MaterialDesc::lambert("dark", [0.5; 3]).with_both_sides(true),
         MaterialDesc::mirror("mirror", [0.9, 0.8, third]),
-        MaterialDesc::new("glass", glass).with_priority(3),
+        MaterialDesc::new("glass", glass).with_priority(3).with_scattering([third, 0.1, 20.0], -0.1 * third),
+        MaterialDesc::boundary("mist", [0.0, 0.1, third]).with_scattering([third; 3], 0.0),
         MaterialDesc::glass("flint", 1.5).with_dispersion(Dispersion::Cauchy([1.6, 0.06 * third])),
         MaterialDesc::glass("crown", 1.1 + third).with_dispersion(Dispersion::Abbe(150.0 * third)),
         MaterialDesc::glass("fog", 1.0).with_dispersion(Dispersion::Sellmeier([
@@ -122,7 +123,11 @@ fn everything() -> SceneBuilder {
 fn every_built_in_scene_comes_back_number_by_number() {
     // An environment is refused: `sky` has one.
     assert!(glb(&builtin("sky").unwrap()).unwrap_err().to_string().contains("sky:32,3"));
-    let names = builtin_names().iter().filter(|(name, _)| *name != "sky");
+    // And so is an ambient medium.
+    for name in ["fog", "glass-fog"] {
+        assert!(glb(&builtin(name).unwrap()).unwrap_err().to_string().contains("ambient medium"), "{name}");
+    }
+    let names = builtin_names().iter().filter(|(name, _)| !["sky", "fog", "glass-fog"].contains(name));
     let scenes = names.map(|(name, _)| (*name, builtin(name).unwrap()));
     for (name, scene) in scenes.chain([("everything", everything())]) {
         let bytes = glb(&scene).unwrap();

@@ -3,12 +3,14 @@
 //! All are in metres and watts, with y upwards, and have one camera, set up for a square picture.
 
 mod cornell;
+mod fog;
 mod frosted;
 mod furnace;
 mod glass;
 mod gloss;
 mod integrating_sphere;
 mod many_lights;
+mod milk;
 mod plates;
 mod pool;
 mod prism;
@@ -32,6 +34,9 @@ const NAMES: &[(&str, &str)] = &[
     ("ring", "a golden ring on a table, with the cardioid caustic of its inner wall"),
     ("pool", "the floor of a swimming pool in the sun, under waves"),
     ("prism", "a glass prism, and the spectrum of white light on the wall behind it"),
+    ("fog", "shafts of light through a window into a room full of mist"),
+    ("glass-fog", "a glass ball in fog, with its caustic in the air"),
+    ("milk", "a glass of milk, which scatters light behind the glass"),
     ("textures", "a room with tiles, a normal map, a textured light, and smooth balls of few triangles"),
     ("gloss", "metal and plastic balls of several roughnesses, on glazed tiles"),
     ("frosted-glass", "the Cornell box with two balls of rough glass, and a frosted pane before a spotlight"),
@@ -65,6 +70,9 @@ pub fn builtin(name: &str) -> Option<SceneBuilder> {
         "ring" => ring::ring(),
         "pool" => pool::pool(),
         "prism" => prism::prism(),
+        "fog" => fog::fog(),
+        "glass-fog" => fog::glass_fog(),
+        "milk" => milk::milk(),
         "textures" => textures::textures(),
         "gloss" => gloss::gloss(),
         "frosted-glass" => frosted::frosted_glass(),

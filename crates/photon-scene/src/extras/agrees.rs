@@ -90,6 +90,8 @@ impl Agrees for MaterialDesc {
                 (found, exact) => found == exact,
             }
             && close(strength(self), strength(exact))
+            // It is written into the extras alone.
+            && (self.scattering == [0.0; 3] || all_close(self.scattering, exact.scattering))
             && all_close(self.diffuse_transmission_color, exact.diffuse_transmission_color)
             && all_close(self.sheen_color, exact.sheen_color)
             && close(self.sheen_roughness, exact.sheen_roughness);

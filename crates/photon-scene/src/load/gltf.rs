@@ -42,6 +42,7 @@ mod parameters;
 mod primitive;
 mod punctual;
 mod reserve;
+mod scatter;
 mod skin;
 mod slot;
 mod specular_glossiness;

@@ -5,13 +5,13 @@ use std::fmt::Write as _;
 
 use super::overrides::Overrides;
 use crate::builder::SceneBuilder;
-use crate::describe::{AlphaMode, CameraDesc, Dispersion, MaterialDesc, Projection, Surface};
+use crate::describe::{AlphaMode, AmbientMedium, CameraDesc, Dispersion, MaterialDesc, Projection, Surface};
 
 /// Before the materials.
 const HEAD: &str = "\
 # Overrides. Nothing in this file changes the scene until the # in front of a line is removed.
 # docs/scene-files.md lists all keys. Values of kind: \"lambert\" (diffuse), \"glossy\" (metal, plastic), \"mirror\",
-# \"glass\" (a solid), \"thin\" (a pane).
+# \"glass\" (a solid), \"boundary\" (of mist or smoke), \"thin\" (a pane).
 
 # For glTF files exported by Blender with the lighting mode Standard, its default:
 # light_units = \"standard\"
@@ -54,11 +54,31 @@ impl Overrides {
         }
         text += &floor(scene);
         text += TAIL;
+        text += &medium(scene);
         for (name, camera) in &scene.cameras {
             text += &camera_text(name, camera);
         }
         text
     }
+}
+
+/// The ambient medium, or thin mist as an example.
+fn medium(scene: &SceneBuilder) -> String {
+    let example = || {
+        let (low, high) = scene.bounds().unwrap_or_default();
+        let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        // A tenth of the light is scattered along the scene.
+        let scattering = if extent > 0.0 { 0.1 / extent } else { 0.1 };
+        AmbientMedium::new([scattering; 3], [0.0; 3])
+    };
+    let medium = scene.medium.unwrap_or_else(example);
+    format!(
+        "\n# A medium around everything, without bounds: not with light from infinity.\n# [medium]\n# scattering = {}\n# \
+         absorption = {}\n# anisotropy = {}\n",
+        color(medium.scattering),
+        color(medium.absorption),
+        number(medium.anisotropy)
+    )
 }
 
 /// The keys of a material, their values, and whether the key would replace a texture.
@@ -92,6 +112,12 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
             ("ior", number(ior), false),
         ],
     };
+    if desc.scattering != [0.0; 3] {
+        list.push(("scattering", color(desc.scattering), false));
+    }
+    if desc.scattering_anisotropy != 0.0 {
+        list.push(("anisotropy", number(desc.scattering_anisotropy), false));
+    }
     if let Some(dispersion) = desc.dispersion {
         list.push((dispersion.name(), dispersion_text(dispersion), false));
     }
@@ -272,6 +298,7 @@ mod tests {
             .with_dispersion(Dispersion::Abbe(31.5))
             .with_priority(3);
         other.material(glossy);
+        other.material(MaterialDesc::glass("wax", 1.4).with_scattering([1.0, 2.0, 0.0], -0.5));
         other.material(MaterialDesc::glass("flint", 1.5).with_dispersion(Dispersion::Cauchy([1.6, 0.02])));
         let terms = [1.039_612_12, 0.231_792_344, 1.010_469_45, 0.006_000_698_67, 0.020_017_914_4, 103.560_653];
         other.material(MaterialDesc::glass("crown", 1.5).with_dispersion(Dispersion::Sellmeier(terms)));
@@ -313,7 +340,7 @@ mod tests {
         for (name, _) in builtin_names() {
             let scene = builtin(name).expect("listed");
             let result = applied(&Overrides::starter(&scene), &scene);
-            assert_eq!(result.materials, scene.materials, "{name}");
+            assert_eq!((&result.materials, result.medium), (&scene.materials, scene.medium), "{name}");
             assert_eq!((&result.lights, &result.cameras), (&scene.lights, &scene.cameras), "{name}");
             assert_eq!(result.meshes.len(), scene.meshes.len(), "{name}");
         }

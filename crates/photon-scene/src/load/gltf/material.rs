@@ -5,8 +5,8 @@ use gltf::json::material::Material;
 
 use super::fault::{Fault, name_or_number};
 use super::parameters::{self, Parameters};
-use super::specular_glossiness;
 use super::texture::Textures;
+use super::{scatter, specular_glossiness};
 use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, Dispersion, MaterialDesc, Surface};
 use crate::extras::{self, Agrees, CHANGED, MaterialExtras};
@@ -29,6 +29,8 @@ const KNOWN: &[&str] = &[
     parameters::DIFFUSE_TRANSMISSION,
     parameters::SHEEN,
     parameters::DISPERSION,
+    scatter::NAMES[0],
+    scatter::NAMES[1],
 ];
 
 /// Converts one material; what is lost is reported.
@@ -44,10 +46,12 @@ pub(super) fn describe(
     let subject = format!("material '{name}'");
     let mut lines = LoadReport::default();
     let mut parameters = parameters::read(root, index, textures, &subject, builder, &mut lines)?;
-    let surface = surface(&mut parameters, &subject, &mut lines);
+    let mut surface = surface(&mut parameters, &subject, &mut lines);
     let (transmission, absorption) = glass_part(&mut parameters, &surface, &subject, &mut lines);
     let is_solid = absorption.is_some() || matches!(surface, Surface::Dielectric { .. });
     close_solid(&mut parameters, is_solid, &subject, &mut lines);
+    let (scattering, mean_cosine) =
+        parameters.scatter.map_or(([0.0; 3], 0.0), |scatter| scatter.split(&mut surface, &subject, &mut lines));
     check_clearcoat(&parameters, &surface, &subject, &mut lines);
     if parameters.anisotropy[0] > 0.0 && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
         lines.left_out(&subject, "its anisotropy, which glass does not have here");
@@ -77,6 +81,8 @@ pub(super) fn describe(
         transmission,
         transmission_absorption: absorption,
         dispersion: (parameters.dispersion > 0.0 && is_solid).then(|| Dispersion::Abbe(20.0 / parameters.dispersion)),
+        scattering,
+        scattering_anisotropy: mean_cosine,
         sheen_color: parameters.sheen_color,
         sheen_roughness: parameters.sheen_roughness,
         textures: parameters.textures,

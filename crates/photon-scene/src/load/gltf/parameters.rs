@@ -9,6 +9,7 @@ use photon_core::TexelFormat;
 use super::factors;
 use super::fault::{AGAIN, Fault, label};
 use super::mean::Mean;
+use super::scatter::Scatter;
 use super::slot::Slot;
 use super::specular_glossiness::{self, Converted, SpecularGlossiness};
 use super::texture::Textures;
@@ -48,6 +49,7 @@ pub(super) struct Parameters {
     pub(super) sheen_roughness: f64,
     /// 20 divided by the Abbe number of its glass; 0 without dispersion.
     pub(super) dispersion: f64,
+    pub(super) scatter: Option<Scatter>,
     /// Whether it bounds a volume rather than being a thin sheet.
     pub(super) is_solid: bool,
     /// Transmittance of `attenuation_distance`.
@@ -73,6 +75,7 @@ impl Parameters {
             sheen_color: [0.0; 3],
             sheen_roughness: 0.0,
             transmission: 0.0,
+            scatter: None,
             emission: [0.0; 3],
             textures: TexturesDesc { base_color, alpha, ..TexturesDesc::default() },
             ..self
@@ -235,6 +238,7 @@ pub(super) fn read(
         sheen_color: times(sheen_color, sheen.and_then(|sheen| sheen.color())),
         sheen_roughness: sheen_roughness * even_sheen,
         dispersion: prism.and_then(|prism| numbers(prism, "dispersion")).map_or(0.0, |[strength]| strength),
+        scatter: Scatter::read(|name| extensions.others.get(name)),
         diffuse_transmission: share * even_share,
         transmission_color: times(leaf_color, colors.and_then(|colors| colors.color())),
         anisotropy: if strength > 0.0 { [strength, rotation] } else { [0.0; 2] },

@@ -67,6 +67,42 @@ fn solids_of_glass_disperse_light() {
     assert!(matte.dispersion.is_none() && says(&report, "it", "thicknessFactor"), "{report}");
 }
 
+/// The two drafts split the extinction; where no light scatters in a medium they are named.
+#[test]
+fn drafts_of_scattering_split_the_extinction() {
+    let volume = r#""KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.5, 0.25, 1]}"#;
+    let of = |draft: &str| glass(&format!(", {volume}, {draft}"));
+    let old = r#""KHR_materials_volume_scatter": {"multiscatterColor": [0.5, 0, 1], "scatterAnisotropy": 0.5}"#;
+    let new = r#""KHR_materials_scatter": {"scatterStrengthFactor": 0.5, "multiscatterColorFactor": [1, 0, 1], "scatterAnisotropy": 0.5}"#;
+    let extinction = [0.5, 0.25, 1.0].map(|color: f64| -color.ln() / 2.0);
+    for draft in [old, new] {
+        let (wax, report) = of(draft);
+        let Surface::Dielectric { absorption, .. } = wax.surface else { panic!("{wax:?}") };
+        // 0.953 816 is the albedo of 0.5 with g = 0.5; black is 6e-6, since its coefficients are rounded.
+        let expected = [extinction[0] * 0.953_816, 0.0, 0.0];
+        let far = wax.scattering.iter().zip(expected).any(|(found, expected)| (found - expected).abs() > 1e-5);
+        assert!(!far && wax.scattering_anisotropy == 0.5, "{wax:?}");
+        close(std::array::from_fn(|channel| absorption[channel] + wax.scattering[channel]), extinction);
+        assert!(says(&report, "it", "draft") && report.lines.len() == 1, "{report}");
+    }
+    // Both: the newer one, whose strength is 0 unless it is given.
+    let (clear, report) = of(&format!(r#"{old}, "KHR_materials_scatter": {{}}"#));
+    assert!(clear.scattering == [0.0; 3] && report.lines.is_empty(), "{report}");
+    let (forward, report) =
+        of(r#""KHR_materials_volume_scatter": {"multiscatterColor": [1, 1, 1], "scatterAnisotropy": 1}"#);
+    assert!(forward.scattering_anisotropy == 0.999 && says(&report, "it", "0.999"), "{report}");
+    let (textured, report) = of(
+        r#""KHR_materials_volume_scatter": {"multiscatterColor": [1, 1, 1], "multiscatterColorTexture": {"index": 0}}"#,
+    );
+    assert!(textured.scattering[0] > 0.0 && says(&report, "it", "only their factors"), "{report}");
+    let (sheet, report) = glass(&format!(", {old}"));
+    assert!(sheet.scattering == [0.0; 3] && says(&report, "it", "thicknessFactor"), "{report}");
+    let (empty, report) = glass(&format!(r#", "KHR_materials_volume": {{"thicknessFactor": 1}}, {old}"#));
+    assert!(empty.scattering == [0.0; 3] && says(&report, "it", "attenuationDistance"), "{report}");
+    let (matte, report) = read(&format!(r#""extensions": {{{volume}, {old}}}"#));
+    assert!(matte.scattering == [0.0; 3] && says(&report, "it", "all glass"), "{report}");
+}
+
 #[test]
 fn absorption_leaves_the_attenuation_colour_after_its_distance() {
     let (solid, report) = glass(

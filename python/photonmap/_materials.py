@@ -109,7 +109,7 @@ class Material:
         both = bool(self.emits_both_sides)
         cutoff = None if self.alpha_cutoff is None else number("alpha_cutoff", self.alpha_cutoff)
         textures = (self._textures(builder, name, added), number("normal_scale", self.normal_scale), cutoff)
-        glass = (*self._transmission(), self._dispersion())
+        glass = (*self._transmission(), self._scattering(), self._dispersion())
         return builder.material(name, surface, emission, both, coat, sheen, *glass, textures)
 
     def _textures(self, builder: Any, name: str, added: dict[Any, int]) -> list[tuple[str, int, int]]:
@@ -128,6 +128,10 @@ class Material:
                 added[key] = made._add_to(builder, f"{use} of {name}", is_color)
             result.append((use, added[key], texture.uv_set))
         return result
+
+    def _scattering(self) -> tuple[list[float], float]:
+        """Coefficient and mean cosine."""
+        return [0.0] * 3, 0.0
 
     def _dispersion(self) -> list[float]:
         """None, or the 1, 2 or 6 numbers of a formula."""
@@ -171,7 +175,8 @@ class Mirror(Material):
 class Glass(Material):
     """A solid of glass, whose mesh must be closed and face outwards; `thin`: a pane without thickness.
 
-    `ior`: refractive index. `absorption`: per unit of length. `tint` multiplies the light at each crossing. `roughness` in
+    `ior`: refractive index; of 1, the boundary of mist or smoke. `absorption`, `scattering` (milk, wax): per unit of length.
+    `anisotropy`: mean cosine of the scattering, in (-1, 1). `tint` multiplies the light at each crossing. `roughness` in
     [0, 1]; 0 is smooth.
 
     Light is dispersed by at most one of `abbe`, the Abbe number, > 0; `cauchy`, `(A, B)` of n = A + B/λ²; and `sellmeier`,
@@ -186,6 +191,11 @@ class Glass(Material):
     abbe: float | None = None
     cauchy: Any = None
     sellmeier: Any = None
+    scattering: Any = 0.0
+    anisotropy: float = 0.0
+
+    def _scattering(self) -> tuple[list[float], float]:
+        return triple("scattering", self.scattering), number("anisotropy", self.anisotropy)
 
     def _dispersion(self) -> list[float]:
         formulas = (("abbe", 1), ("cauchy", 2), ("sellmeier", 6))

@@ -170,6 +170,15 @@ class Scene:
         radiance = [channel * factor for channel in triple("environment", light)]
         return self._call("environment_constant", radiance)
 
+    def medium(self, *, scattering: Any = 0.0, absorption: Any = 0.0, anisotropy: float = 0.0) -> Scene:
+        """Sets the medium around all solids, without bounds: fog, haze. Light from infinitely far away does not pass it.
+
+        `scattering`, `absorption`: coefficients per unit of length, a number or RGB. `anisotropy`: mean cosine of the
+        Henyey-Greenstein phase function, in (-1, 1): 0 scatters evenly, 1 forwards.
+        """
+        coefficients = triple("scattering", scattering), triple("absorption", absorption)
+        return self._call("medium", *coefficients, number("anisotropy", anisotropy))
+
     def portal(self, opening: Any, *, name: str = "portal") -> Scene:
         """Declares an opening, such as a window, where photons of light from infinitely far away start more often.
 

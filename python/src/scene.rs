@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
-    CameraDesc, Dispersion, EnvironmentDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides,
-    Projection, ReportKind, Scene, SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes,
-    builtin, builtin_names, load_builder_with,
+    AmbientMedium, CameraDesc, Dispersion, EnvironmentDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc,
+    MaterialId, Overrides, Projection, ReportKind, Scene, SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens,
+    VertexAttributes, builtin, builtin_names, load_builder_with,
 };
 use photonmap_cli::args::EnvironmentName;
 use photonmap_cli::summary::summed_up;
@@ -91,7 +91,7 @@ impl RawBuilder {
 
     /// Adds a material and returns its number. `surface`: kind, colour, second colour, ior, roughness, specular. `clearcoat`:
     /// weight and roughness; `sheen`: colour and roughness; `diffuse_transmission`: share and colour; `transmission`: share
-    /// and absorption; `dispersion`: no number, or the 1, 2 or 6 of its formula; `textures`: see [`TextureUses`].
+    /// and absorption; `scattering`: coefficient and mean cosine; `dispersion`: no number, or the 1, 2 or 6 of its formula; `textures`: see [`TextureUses`].
     #[expect(clippy::too_many_arguments, reason = "called by Python alone, by position")]
     fn material(
         &mut self,
@@ -103,6 +103,7 @@ impl RawBuilder {
         sheen: ([f64; 3], f64),
         diffuse_transmission: (f64, [f64; 3]),
         transmission: (f64, Option<[f64; 3]>),
+        scattering: ([f64; 3], f64),
         dispersion: Vec<f64>,
         textures: TextureUses,
     ) -> PyResult<usize> {
@@ -124,7 +125,8 @@ impl RawBuilder {
             .with_clearcoat(clearcoat.0, clearcoat.1)
             .with_sheen(sheen.0, sheen.1)
             .with_diffuse_transmission(diffuse_transmission.0, diffuse_transmission.1)
-            .with_transmission(transmission.0, transmission.1);
+            .with_transmission(transmission.0, transmission.1)
+            .with_scattering(scattering.0, scattering.1);
         let desc = match dispersion[..] {
             [] => desc,
             [abbe] => desc.with_dispersion(Dispersion::Abbe(abbe)),
@@ -248,6 +250,11 @@ impl RawBuilder {
         let flat: Vec<f32> = texels.as_array().iter().copied().collect();
         let (texels, _) = flat.as_chunks::<3>();
         self.environment(&EnvironmentDesc::image("array", width, texels), rotate, scale)
+    }
+
+    /// The medium around all solids.
+    fn medium(&mut self, scattering: [f64; 3], absorption: [f64; 3], anisotropy: f64) {
+        self.builder.medium(AmbientMedium::new(scattering, absorption).with_anisotropy(anisotropy));
     }
 
     /// The triangles of an opening, three corners each, flat.

@@ -4,15 +4,15 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use photonmap::scene::{
-    CameraDesc, Dispersion, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides, Projection,
-    SceneBuilder, Surface, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with,
+    AmbientMedium, CameraDesc, Dispersion, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides,
+    Projection, SceneBuilder, Surface, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with,
 };
 use photonmap_cli::args::{EnvironmentArgs, EnvironmentName};
 
 use crate::describe::{
     PM_DISPERSION_ABBE, PM_DISPERSION_CAUCHY, PM_DISPERSION_NONE, PM_DISPERSION_SELLMEIER, PM_LIGHT_DIRECTIONAL,
     PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY, PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR,
-    PM_MATERIAL_THIN, PmCamera, PmLight, PmMaterial, PmMesh,
+    PM_MATERIAL_THIN, PmCamera, PmLight, PmMaterial, PmMedium, PmMesh,
 };
 use crate::error::{Fault, PmStatus, Result, call, free};
 use crate::options::{self, PmLoadOptions};
@@ -147,6 +147,9 @@ pub unsafe extern "C" fn pm_builder_material(
         if let Some(dispersion) = dispersion.filter(|_| refracts) {
             desc = desc.with_dispersion(dispersion);
         }
+        if given.kind == PM_MATERIAL_DIELECTRIC {
+            desc = desc.with_scattering(given.scattering, given.anisotropy);
+        }
         builder.materials.push(builder.scene.material(desc));
         if !id.is_null() {
             // SAFETY: not NULL; the caller's number.
@@ -261,7 +264,19 @@ pub unsafe extern "C" fn pm_builder_environment(
     })
 }
 
-/// Applies the text of an override file: an environment, lights and cameras, and changes of materials that were added
+/// Sets the medium around all solids, and replaces that of before; without scattering and absorption there is none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_medium(builder: *mut PmBuilder, medium: *const PmMedium) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle and struct.
+        let (builder, given) = unsafe { (pointer::exclusive(builder, "builder")?, pointer::read(medium)?) };
+        let medium = AmbientMedium::new(given.scattering, given.absorption).with_anisotropy(given.anisotropy);
+        builder.scene.medium(medium);
+        Ok(())
+    })
+}
+
+/// Applies the text of an override file: an environment, a medium, lights and cameras, and changes of materials that were added
 /// before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_builder_overrides(builder: *mut PmBuilder, toml: *const c_char) -> PmStatus {

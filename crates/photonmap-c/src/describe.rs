@@ -57,6 +57,24 @@ pub struct PmMaterial {
     pub dispersion: u32,
     /// Its numbers.
     pub dispersion_terms: [f64; 6],
+    /// Scattering inside of a dielectric, 1/m, finite and at least 0: milk, wax; with an ior of 1, mist.
+    pub scattering: [f64; 3],
+    /// Mean cosine of that scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
+    pub anisotropy: f64,
+}
+
+/// The medium around all solids, without bounds. Light from infinitely far away does not pass it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PmMedium {
+    /// sizeof(PmMedium).
+    pub size: usize,
+    /// Scattering coefficient, 1/m, linear RGB, finite and at least 0.
+    pub scattering: [f64; 3],
+    /// Absorption coefficient, 1/m, linear RGB, finite and at least 0.
+    pub absorption: [f64; 3],
+    /// Mean cosine of scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
+    pub anisotropy: f64,
 }
 
 /// Triangles of one material. Arrays are copied.
@@ -163,4 +181,4 @@ pub struct PmSceneInfo {
     pub power: f64,
 }
 
-pointer::versioned!(PmMaterial, PmMesh, PmLight, PmCamera, PmSceneInfo);
+pointer::versioned!(PmMaterial, PmMedium, PmMesh, PmLight, PmCamera, PmSceneInfo);

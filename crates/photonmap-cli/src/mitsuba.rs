@@ -5,6 +5,7 @@
 //! it cannot express an error.
 
 mod environment;
+mod medium;
 mod metal;
 mod ply;
 mod unsupported;
@@ -12,6 +13,7 @@ mod unsupported;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use photon_core::glam::Vec3;
 use photon_core::{Camera, Features, Light, Material, MaterialKind, Medium, partial_transmission};
 use photon_scene::Scene;
 
@@ -42,11 +44,22 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> R
     let folder = path.with_file_name(&folder_name);
     std::fs::create_dir_all(&folder).map_err(|why| Fault::writing(&folder, why))?;
     let mut written = Written { folder: folder.clone(), meshes: 0, warnings: Vec::new() };
-    let absorbs = view.media.iter().any(|medium| medium.absorption != [0.0; 3]);
+    let has_media = view.media.iter().any(Medium::attenuates);
     let mut text = String::from("<scene version=\"3.0.0\">\n");
-    // Only the volumetric path tracer supports absorption.
-    let _ = writeln!(text, "    <integrator type=\"{}\">", if absorbs { "volpath" } else { "path" });
+    // Only the volumetric path tracers support media; for those whose coefficients differ by colour there is one of its own.
+    let is_coloured = |medium: &Medium| medium.extinction() != Vec3::splat(medium.extinction().x);
+    let has_colours = view.media.iter().any(|medium| medium.scatters() && is_coloured(medium));
+    let _ = writeln!(
+        text,
+        "    <integrator type=\"{}\">",
+        match (has_media, has_colours) {
+            (true, true) => "volpathmis",
+            (true, false) => "volpath",
+            _ => "path",
+        }
+    );
     text += "        <integer name=\"max_depth\" value=\"-1\"/>\n    </integrator>\n";
+    text += &medium::ambient(scene);
     text += &sensor(scene, camera, size);
     for (index, (material, material_name)) in view.materials.iter().zip(scene.material_names()).enumerate() {
         let name = format!("material-{index}.ply");
@@ -126,8 +139,9 @@ fn sensor(scene: &Scene, camera: &Camera, (width, height): (u32, u32)) -> String
             <string name=\"pixel_format\" value=\"rgb\"/>
             <string name=\"component_format\" value=\"float32\"/>
         </film>
-        <sampler type=\"independent\"/>
-    </sensor>"
+        <sampler type=\"independent\"/>{}
+    </sensor>",
+        medium::around(scene)
     );
     text
 }
@@ -165,6 +179,8 @@ fn bsdf(name: &str, material: &Material, warnings: &mut Vec<String>) -> Result<S
                 rgb("specular_transmittance", colour)
             )
         }
+        // Light passes it unchanged, also on its way to emitters.
+        MaterialKind::Dielectric if material.ior == 1.0 && colour == [1.0; 3] => "<bsdf type=\"null\"/>".to_owned(),
         MaterialKind::Dielectric => {
             format!("<bsdf type=\"dielectric\">{ior}{}</bsdf>", rgb("specular_transmittance", colour))
         }
@@ -208,20 +224,13 @@ fn shape(
     let _ = writeln!(text, "        <string name=\"filename\" value=\"{}\"/>", escaped(file));
     let _ = writeln!(text, "        <boolean name=\"face_normals\" value=\"true\"/>\n        {bsdf}");
     let units = scene.units();
-    let Medium { absorption, ior, .. } = scene.view().media[medium as usize];
-    if scene.view().media[medium as usize].is_dispersive() {
+    let inside = scene.view().media[medium as usize];
+    if inside.is_dispersive() {
+        let ior = inside.ior;
         warnings.push(format!("material '{name}' does not disperse light in Mitsuba: its refractive index is {ior}"));
     }
-    if absorption != [0.0; 3] {
-        // Mitsuba reads sigma_t like a reflectance and refuses what exceeds 1, so that the scale has the magnitude.
-        let sigma = absorption.map(|c| f64::from(c) / units.scale);
-        let scale = sigma.into_iter().fold(0.0, f64::max);
-        let _ = writeln!(
-            text,
-            "        <medium name=\"interior\" type=\"homogeneous\">{}<float name=\"scale\" value=\"{scale}\"/>{}</medium>",
-            rgb("sigma_t", sigma.map(|c| c / scale)),
-            rgb("albedo", [0.0; 3])
-        );
+    if medium > 0 {
+        text += &medium::sides(scene, &inside);
     }
     if material.emission != [0.0; 3] {
         if material.flags & Material::EMITS_BOTH_SIDES != 0 {
@@ -245,9 +254,10 @@ fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
     let per = |divisor: f64| watts.map(|w| w / divisor);
     match light.kind {
         Light::POINT => format!(
-            "    <emitter type=\"point\"><point name=\"position\" value=\"{}\"/>{}</emitter>\n",
+            "    <emitter type=\"point\"><point name=\"position\" value=\"{}\"/>{}{}</emitter>\n",
             list(origin),
-            rgb("intensity", per(4.0 * std::f64::consts::PI))
+            rgb("intensity", per(4.0 * std::f64::consts::PI)),
+            medium::around(scene)
         ),
         Light::SPOT => {
             // Radians from the axis: full intensity up to the inner angle, zero from the outer one on.
@@ -262,13 +272,14 @@ fn emitter(scene: &Scene, light: &Light, warnings: &mut Vec<String>) -> String {
             format!(
                 "    <emitter type=\"spot\"><transform name=\"to_world\"><lookat origin=\"{}\" target=\"{}\" \
                  up=\"{}\"/></transform>{}<float name=\"cutoff_angle\" value=\"{}\"/><float name=\"beam_width\" \
-                 value=\"{}\"/></emitter>\n",
+                 value=\"{}\"/>{}</emitter>\n",
                 list(origin),
                 list(target),
                 list(perpendicular(light.direction)),
                 rgb("intensity", per(solid_angle)),
                 angle(light.versine_outer).to_degrees(),
-                angle(light.versine_inner).to_degrees()
+                angle(light.versine_inner).to_degrees(),
+                medium::around(scene)
             )
         }
         Light::DIRECTIONAL => {

@@ -81,6 +81,39 @@ static void loading(PmScene *scene) {
     remove(path);
 }
 
+/* Scattering of solids and around them; `material` is valid. */
+static void media(PmMaterial material)
+{
+    PmScene *scene = NULL;
+    PmBuilder *builder = NULL;
+    PmMedium fog = {sizeof fog, {1, 2, 3}, {0, 0, 0}, 0.5};
+    OK(pm_builder_new(&builder));
+    BAD(pm_builder_medium(NULL, &fog), "builder is NULL");
+    BAD(pm_builder_medium(builder, NULL), "PmMedium is NULL");
+    OK(pm_builder_medium(builder, &fog));
+    fog.anisotropy = 1;
+    OK(pm_builder_medium(builder, &fog));
+    EXPECT(pm_builder_build(builder, &scene), PM_STATUS_INVALID_SCENE, "anisotropy");
+    fog.anisotropy = 0;
+    fog.scattering[1] = NAN;
+    OK(pm_builder_medium(builder, &fog));
+    EXPECT(pm_builder_build(builder, &scene), PM_STATUS_INVALID_SCENE, "scattering");
+    fog.size = 1;
+    BAD(pm_builder_medium(builder, &fog), "sizeof(PmMedium)");
+    fog = (PmMedium){sizeof fog, {0, 0, 0}, {0, 0, 0}, 0};
+    OK(pm_builder_medium(builder, &fog));
+    /* Kinds that have no inside ignore it. */
+    material.scattering[0] = -1;
+    OK(pm_builder_material(builder, &material, NULL));
+    OK(pm_builder_build(builder, &scene));
+    pm_scene_free(scene);
+    material.kind = PM_MATERIAL_DIELECTRIC;
+    material.ior = 1;
+    OK(pm_builder_material(builder, &material, NULL));
+    EXPECT(pm_builder_build(builder, &scene), PM_STATUS_INVALID_SCENE, "scattering");
+    pm_builder_free(builder);
+}
+
 static void scenes(void)
 {
     PmScene *scene = (PmScene *)&failures;
@@ -103,7 +136,7 @@ static void scenes(void)
 
     BAD(pm_builder_new(NULL), "NULL");
     OK(pm_builder_new(&builder));
-    PmMaterial white = {sizeof white, "white", PM_MATERIAL_LAMBERT, 0, {.5, .5, .5}, {0, 0, 0}, 0, {0, 0, 0}, 0, 0, 0, 0, 0, {0}};
+    PmMaterial white = {sizeof white, "white", PM_MATERIAL_LAMBERT, 0, {.5, .5, .5}, {0, 0, 0}, 0, {0, 0, 0}, 0, 0, 0, 0, 0, {0}, {0, 0, 0}, 0};
     PmMaterial wrong = white;
     BAD(pm_builder_material(builder, NULL, NULL), "PmMaterial is NULL");
     BAD(pm_builder_material(NULL, &white, NULL), "builder is NULL");
@@ -112,6 +145,7 @@ static void scenes(void)
     wrong.size = 0;
     BAD(pm_builder_material(builder, &wrong, NULL), "sizeof(PmMaterial)");
     OK(pm_builder_material(builder, &white, &material));
+    media(white);
 
     double corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     uint32_t indices[3] = {0, 1, 2};

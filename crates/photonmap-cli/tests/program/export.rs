@@ -271,3 +271,45 @@ fn what_cannot_be_exported_is_named() {
         refused(&run("export", arguments), culprit);
     }
 }
+
+/// Media around solids and within, per unit of length, with their phase functions.
+#[test]
+fn media_are_written_for_mitsuba() {
+    let folder = folder("export-media");
+    let overrides = folder.join("fog.toml");
+    let media = "[medium]\nscattering = [0.3, 0.15, 0]\nabsorption = [0.1, 0.05, 0.4]\nanisotropy = 0.5\n\
+                 [materials.glass]\nkind = \"boundary\"\nscattering = 2\nabsorption = 6\n";
+    std::fs::write(&overrides, media).unwrap();
+    let file = folder.join("fog.xml");
+    succeeded(&run(
+        "export",
+        &["cornell-glass", "--overrides", overrides.to_str().unwrap(), "-o", file.to_str().unwrap()],
+    ));
+    let text = std::fs::read_to_string(&file).unwrap();
+    let numbers = |medium: &str, name: &str| -> Vec<f64> {
+        let (_, rest) = text.split_once(&format!("<medium {medium} type=\"homogeneous\">")).expect(medium);
+        let (_, rest) = rest.split_once(&format!("name=\"{name}\" value=\"")).expect(name);
+        rest.split_once('"').unwrap().0.split(", ").map(|number| number.parse().unwrap()).collect()
+    };
+    for (medium, extinction, albedo) in
+        [("id=\"ambient\"", [0.4, 0.2, 0.4], [0.75, 0.75, 0.0]), ("name=\"interior\"", [8.0; 3], [0.25; 3])]
+    {
+        let (sigma, scale, found) =
+            (numbers(medium, "sigma_t"), numbers(medium, "scale")[0], numbers(medium, "albedo"));
+        for channel in 0..3 {
+            assert!((sigma[channel] * scale - extinction[channel]).abs() < 1e-6, "{medium}: {sigma:?} {scale}");
+            assert!((found[channel] - albedo[channel]).abs() < 1e-6, "{medium}: {found:?}");
+        }
+    }
+    // The sensor and the ball are in fog; of the two media only that has a phase function of its own.
+    for (part, count) in [
+        ("<ref id=\"ambient\"/>", 1),
+        ("<ref name=\"exterior\" id=\"ambient\"/>", 1),
+        ("<phase type=\"hg\"><float name=\"g\" value=\"0.5\"/></phase>", 1),
+        ("<phase", 1),
+        ("<bsdf type=\"null\"/>", 1),
+        ("type=\"volpathmis\"", 1),
+    ] {
+        assert_eq!(text.matches(part).count(), count, "{part}: {text}");
+    }
+}

@@ -40,7 +40,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     Words order;
     // Saved state of paused traversals: search_pause.glsl.
     Words pauses;
-    // With reflections: the table of albedos, `Albedos`.
+    // With reflections: the table of albedos, `Albedos`. Along segments: the scene, `SceneRef`.
     uvec2 albedos;
     // Number of points in the map.
     uint points;

@@ -11,7 +11,10 @@
 // - visit(mode, firsts): processes the staged points, two leaves whose first slots these are,
 // - uint VISIT_TURNS: maximum number of loop iterations of a visit;
 // and may #define SEARCH_NEAREST, for searches that need no more than k of many equal points (they count
-// accepted points in `accepted`), or SEARCH_COUNT, which counts whole nodes at once (in `found`).
+// accepted points in `accepted`), or SEARCH_COUNT, which counts whole nodes at once (in `found`), or SEARCH_SEGMENT, for
+// searches along segments instead of in balls, with two functions of its own:
+// - bool touches(low, high): whether the query may have points in a box,
+// - bounds(low, high): a box around all points that the query may have.
 //
 // A traversal that has to pause sets `paused` and returns; its state is then saved, and restored when the
 // traversal continues. The kernel saves the state of its queries itself.
@@ -31,7 +34,11 @@ void tile_barrier() {
 
 // Whether any ball overlaps a box.
 bool meets(vec3 low, vec3 high) {
+#ifdef SEARCH_SEGMENT
+    return subgroupAny(limit > 0 && touches(low, high));
+#else
     return subgroupAny(floatBitsToUint(box_distance(at, low, high)) < limit);
+#endif
 }
 
 void walk(uint mode) {
@@ -40,12 +47,16 @@ void walk(uint mode) {
     uint levels = gl_SubgroupID * KD_TREE_MAX_DEPTH;
     // The box around all balls, enlarged enough to make rounding and underflow irrelevant.
     vec3 low = vec3(INFINITE), high = vec3(-INFINITE);
+#ifdef SEARCH_SEGMENT
+    if (limit > 0) bounds(low, high);
+#else
     if (limit > 0) {
         float reach = limit > INFINITE_BITS ? INFINITE : sqrt(uintBitsToFloat(limit - 1)) * 1.00001 + 4.0e-19;
         bool all_of_it = floatBitsToUint(reach) >= INFINITE_BITS;
         low = all_of_it ? vec3(-INFINITE) : at - reach;
         high = all_of_it ? vec3(INFINITE) : at + reach;
     }
+#endif
     low = subgroupMin(low);
     high = subgroupMax(high);
     vec3 middle = 0.5 * low + 0.5 * high;

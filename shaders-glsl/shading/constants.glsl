@@ -25,6 +25,8 @@ const uint LIGHT_ENVIRONMENT = 4u;
 // MediaFeatures: bits of a specialization constant.
 const uint MEDIA_NESTED = 1u;
 const uint MEDIA_DISPERSION = 2u;
+const uint MEDIA_SCATTERING = 4u;
+const uint MEDIA_AMBIENT = 8u;
 
 // Medium::dispersion.
 const uint MEDIUM_CAUCHY = 1u;
@@ -100,6 +102,9 @@ const uint DOMAIN_SHADOW = 2u;
 const uint DOMAIN_GATHER = 3u;
 const uint DOMAIN_AREA = 4u;
 const uint DOMAIN_AIMED = 5u;
+const uint DOMAIN_FLIGHT = 6u;
+const uint DOMAIN_DEPOSIT = 7u;
+const uint DOMAIN_SEGMENT = 8u;
 const uint DOMAIN_WAVELENGTH = 9u;
 
 // Blocks of dimensions.
@@ -108,6 +113,7 @@ const uint BLOCK_START = 1u;
 const uint BLOCK_SURFACES = 2u;
 const uint BLOCK_LIGHTS = 1073741824u;
 const uint BLOCK_LIGHT_SIDES = 1610612736u;
+const uint BLOCK_SEGMENTS = 536870912u;
 const uint WAVELENGTH_STEP = 2654435769u;
 
 // Kernel::number.
@@ -181,6 +187,11 @@ const uint LIGHT_TREE_INCREMENT = 1013904223u;
 
 // octahedral.
 const float OCTAHEDRAL_STEPS = 32767.0;
+
+// flight.
+const float FLIGHT_FAR = 56.0;
+const uint FLIGHT_MAX_COLLISIONS = 1024u;
+const uint FLIGHT_FOCUSED_DEPOSITS = 8u;
 
 // offset.
 const float OFFSET_STEP = 9.5367431640625e-7;

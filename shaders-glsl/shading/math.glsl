@@ -74,6 +74,22 @@ float exp_neg(float tau) {
     return power;
 }
 
+// 1 - exp(-tau) for tau >= 0; 1 for NaN.
+float one_minus_exp(float tau) {
+    if (tau < 0.25) {
+        precise float series = tau
+            * (1.0
+                - tau
+                    * (0.5
+                        - tau
+                            * (0.16666667
+                                - tau * (0.041666668 - tau * (0.008333334 - tau * 0.0013888889)))));
+        return series;
+    }
+    precise float rest = 1.0 - exp_neg(tau);
+    return rest;
+}
+
 // ln x for normal positive x.
 float math_ln(float x) {
     uint bits = floatBitsToUint(x);
@@ -87,6 +103,17 @@ float math_ln(float x) {
     float e = float(exponent);
     precise float sum = (m - 0.5 * m * m + m * m * m * q + e * 1.4286068e-6) + e * 0.69314575;
     return sum;
+}
+
+// -ln(1 - y) for y in [0, 1).
+float minus_ln_one_minus(float y) {
+    if (y < 0.25) {
+        precise float tail = 0.16666667 + y * (0.14285715 + y * (0.125 + y * (0.11111111 + y * 0.1)));
+        precise float series = y * (1.0 + y * (0.5 + y * (0.33333334 + y * (0.25 + y * (0.2 + y * tail)))));
+        return series;
+    }
+    precise float rest = 1.0 - y;
+    return -math_ln(max(rest, 1.17549435e-38));
 }
 
 // The angle of (x, y), y >= 0, from the first axis, in turns; 0 for the zero vector.

@@ -112,7 +112,7 @@ void main() {
         if (GLOSSY) value *= glossy_entering(push.scene, coat, dot3(ray.direction, shading));
         if (!occluded(push.scene, ray, words.w)) {
             // The shadow ray is unoccluded, so that it lies entirely in the query's medium.
-            if ((FEATURES & FEATURE_ABSORPTION) != 0 && push.queries[i].at.media != VACUUM) {
+            if ((FEATURES & FEATURE_ABSORPTION) != 0 && push.queries[i].at.media != CLEAR) {
                 value *= transmittance(push.scene, push.queries[i].at.media, ray.t_max);
             }
             two_add(sum, low, value / share);

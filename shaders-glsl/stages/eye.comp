@@ -27,6 +27,8 @@ layout(constant_id = 9) const bool TERMINATOR_OFFSET = false;
 layout(constant_id = 11) const uint CAUSTIC_ROUGHNESS = 0xFFFFFFFFu;
 // Whether other reflections show those of some lights.
 layout(constant_id = 12) const bool MARKED = false;
+// Paths leave their segments in media that scatter light, at most so many for each pixel, instead of all else; 0: none.
+layout(constant_id = 13) const uint SEGMENTS = 0;
 
 #include "shading/constants.glsl"
 #include "film/film.glsl"
@@ -44,6 +46,10 @@ layout(constant_id = 12) const bool MARKED = false;
 #include "shading/scattering.glsl"
 #include "shading/shadow_terminator.glsl"
 
+// Whether paths leave queries at visible points, and add to the film.
+const bool POINTS = !REFLECTIONS && SEGMENTS == 0u;
+// Log2 of the number of slots for each pixel.
+const uint PLACES_LOG2 = SEGMENTS == 0u ? MAX_SPLITS : SEGMENTS == 1u ? 0u : PATHS_LOG2;
 const bool ALL_LIGHTS = CAUSTIC_ROUGHNESS != 0xFFFFFFFFu;
 const bool THIN_LENS = (FEATURES & FEATURE_THIN_LENS) != 0u;
 
@@ -54,7 +60,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     Cameras camera;
     FirstPass first;
     Planes emission;
-    // 2 to the power of MAX_SPLITS slots for each pixel, and the number of them that are filled.
+    // 2 to the power of PLACES_LOG2 slots for each pixel, and the number of them that are filled.
     Queries found;
     Words counts;
     uvec2 seed;
@@ -87,7 +93,8 @@ struct Path {
     uint branch;
     // The glossy surface or rough glass that it left last: density of the direction, 0 without one, or negative if
     // something specular lies between (which is only distinguished from 0 for the sun, and with ALL_LIGHTS); position;
-    // geometric normal; whether photons show light that arrives there by way of something specular.
+    // geometric normal; whether photons show light that arrives there by way of something specular. For segments the normal is
+    // that of the last surface of any kind, on either side; the direction of the ray at the camera.
     float reflected_pdf;
     vec3 reflected_position;
     vec3 reflected_normal;
@@ -204,7 +211,7 @@ void leave_query(
     if (REFLECTIONS && ALL_LIGHTS) offset_or_wo = gloss_caustics_with_mark(offset_or_wo, path.shows_all);
     if (!REFLECTIONS && TERMINATOR_OFFSET) offset_or_wo = shadow_terminator_pack(offset);
     // Moved away from edges, next to which rounding might put it behind the adjacent wall, out of its shadow.
-    push.found[(pixel << MAX_SPLITS) + found].at = Query(
+    push.found[(pixel << PLACES_LOG2) + found].at = Query(
         at.start, 1.0, at.normal, pixel, throughput, media_coat.x, offset_or_wo, key,
         SHADING_NORMALS || REFLECTIONS ? octahedral_pack(normal) : 0u, media_coat.y);
     found++;
@@ -212,6 +219,7 @@ void leave_query(
 
 #include "stages/eye_glossy.glsl"
 #include "stages/eye_rough_glass.glsl"
+#include "stages/eye_segments.glsl"
 
 void main() {
     const uint columns_log2 = 5 - TILE_ROWS_LOG2;
@@ -234,6 +242,11 @@ void main() {
     Path waiting[2];
     uint waits = 0;
     uint found = 0;
+    Reservoir reservoir;
+    if (SEGMENTS != 0u) {
+        path.reflected_normal = ray.direction;
+        reservoir = Reservoir(0u, 0.0, 0.0);
+    }
     vec3 emission = vec3(0.0);
     bool alive = true;
     while (alive) {
@@ -249,7 +262,7 @@ void main() {
             Layers layers = layers_none();
             if (SHADED) normal = shade(push.scene, at, hit, material, layers);
             if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
-            if (path.surfaces == 0 && !REFLECTIONS) {
+            if (path.surfaces == 0 && POINTS) {
                 FirstPass first = push.first + pixel;
                 // Sums over the camera samples of the pass; stale before the first hit.
                 uint hits = first.hits;
@@ -259,7 +272,11 @@ void main() {
                 first.hits = hits + 1;
             }
             Interface sides = media_interface(push.scene, material, at.front, path.media);
-            if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
+            if (SEGMENTS != 0u) {
+                leave_segment(path, pixel, sides.before, at.t, -at.normal, reservoir, found);
+                path.reflected_normal = at.normal;
+            }
+            if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != CLEAR) {
                 path.throughput *= transmittance(push.scene, sides.before, at.t);
             }
             if (DISPERSION && media_is_dispersive(push.scene, sides)) {
@@ -269,7 +286,7 @@ void main() {
                 media_disperse(push.scene, sides, wavelength, path.throughput, drawn);
                 path.total = path.total & 0xFFFFu | wavelength << 16;
             }
-            if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && !REFLECTIONS && material.emission != vec3(0.0)
+            if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && POINTS && material.emission != vec3(0.0)
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
                 vec3 throughput = path.throughput;
                 if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before, wavelength_of(path));
@@ -295,7 +312,9 @@ void main() {
                     path.shows_all = gloss_caustics_narrowest(material, layers) >= least;
                 }
                 Leaves leaves;
-                if (REFLECTIONS && ALL_LIGHTS && !MARKED && !path.shows_all) {
+                if (SEGMENTS != 0u) {
+                    leaves = leaves_none();
+                } else if (REFLECTIONS && ALL_LIGHTS && !MARKED && !path.shows_all) {
                     leaves = leaves_none();
                 } else if (REFLECTIONS) {
                     leaves = leaves_reflection(material, layers, glossy, normal, seen);
@@ -313,7 +332,7 @@ void main() {
                     if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before, wavelength_of(path));
                     throughput = throughput * bsdf.albedo * 0.318309886;
                     uvec2 media_coat = uvec2(sides.before, 0u);
-                    if (!REFLECTIONS) leave_query(path, pixel, at, offset, normal, media_coat, 0u, throughput, found);
+                    if (POINTS) leave_query(path, pixel, at, offset, normal, media_coat, 0u, throughput, found);
                     alive = false;
                 } else {
                     path.surfaces++;
@@ -327,7 +346,10 @@ void main() {
                 }
             }
         }
-        if (ENVIRONMENT && escaped && !REFLECTIONS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
+        if (SEGMENTS != 0u && escaped) {
+            leave_segment(path, pixel, path.media, FLIGHT_FAR, path.ray.direction, reservoir, found);
+        }
+        if (ENVIRONMENT && escaped && POINTS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media, wavelength_of(path));
             if (FOLLOWED && weighs_lights(path)) {
@@ -339,7 +361,7 @@ void main() {
             emission += throughput * environment_radiance(push.scene, path.ray.direction);
         }
         // Shadow rays and photons find the sun for paths with glossy surfaces.
-        if (SUN && escaped && !REFLECTIONS && !(HIDES_BACKGROUND && path.surfaces == 0) && path.reflected_pdf == 0.0) {
+        if (SUN && escaped && POINTS && !(HIDES_BACKGROUND && path.surfaces == 0) && path.reflected_pdf == 0.0) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media, wavelength_of(path));
             emission += throughput * sun_radiance(push.scene, path.ray.direction);
@@ -350,9 +372,10 @@ void main() {
             alive = true;
         }
     }
+    if (SEGMENTS != 0u) close_reservoir(reservoir, pixel, found);
     push.counts[pixel].at = found;
     const uint lit = FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_SUN | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS;
-    if ((FEATURES & lit) != 0 && !REFLECTIONS && emission != vec3(0.0)) {
+    if ((FEATURES & lit) != 0 && POINTS && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
             Planes place = film_place(push.emission, c, push.width * push.height, pixel);
             place.at += emission[c];

@@ -30,7 +30,7 @@ vec3 light_through(Path path, uint pixel, Surface at, vec3 offset, vec3 normal, 
     vec3 value = light_sample_times(found, limited) * scattered.value;
     if (!(glossy_greatest(value) > 0.0) || occluded(push.scene, found.ray, random.w)) return vec3(0.0);
     uint media = stays ? sides.before : sides.transmitted;
-    if ((FEATURES & FEATURE_ABSORPTION) != 0 && media != VACUUM) {
+    if ((FEATURES & FEATURE_ABSORPTION) != 0 && media != CLEAR) {
         value *= transmittance(push.scene, media, found.ray.t_max);
     }
     share *= of_side;
@@ -67,7 +67,7 @@ bool meet_rough_glass(
     inout vec3 emission
 ) {
     RoughGlass glass = rough_glass_new(push.scene, material, at.cosine, sides);
-    if (!REFLECTIONS) emission += light_through(path, pixel, at, offset, normal, sides, glass);
+    if (POINTS) emission += light_through(path, pixel, at, offset, normal, sides, glass);
     return scatter_path(path, pixel, at, offset, normal, sides, glass);
 }
 

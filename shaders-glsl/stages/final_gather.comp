@@ -90,7 +90,7 @@ void main() {
         }
         if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, ray.direction, facing);
         Interface sides = media_interface(push.scene, material, at.front, media);
-        if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != VACUUM) {
+        if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != CLEAR) {
             throughput *= transmittance(push.scene, sides.before, at.t);
         }
         if (DISPERSION && media_is_dispersive(push.scene, sides)) {

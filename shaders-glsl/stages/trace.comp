@@ -31,6 +31,8 @@ layout(constant_id = 7) const uint MEDIA = 1;
 layout(constant_id = 8) const bool REFLECTIONS = false;
 // Whether those are of all lights, with a mark.
 layout(constant_id = 11) const bool ALL_LIGHTS = false;
+// Whether photons in media that scatter light are stored, instead of those on surfaces.
+layout(constant_id = 12) const bool IN_MEDIA = false;
 
 #include "device/counter.glsl"
 #include "device/grid.glsl"
@@ -55,6 +57,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Round {
 // An active path, saved between two dispatches.
 struct State {
     vec3 origin;
+    // With SCATTERING also the number of collisions << 16.
     uint bounce;
     vec3 direction;
     uint media;
@@ -96,7 +99,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     Round then;
     Waiting waiting;
     Waiting left;
-    // Maximum number of paths per invocation, and of surfaces that each is traced for.
+    // Maximum number of paths per invocation, and of surfaces and collisions that each is traced for.
     uint quota;
     uint surfaces;
     uint begins;
@@ -133,6 +136,8 @@ struct Path {
     Ray ray;
     vec3 power;
     uint bounce;
+    // Number of collisions in media. Only with SCATTERING.
+    uint collisions;
     uint media;
     uint wavelength;
     bool specular_only;
@@ -145,7 +150,9 @@ struct Path {
 // The path's random word, which decides what it meets where that is random.
 uint layer(Path path) {
     if (!RANDOM_SURFACES) return 0u;
-    return sampler_words(path.numbers, BLOCK_SURFACES + path.bounce).w;
+    uint block = BLOCK_SURFACES + path.bounce;
+    if (SCATTERING) block += path.collisions;
+    return sampler_words(path.numbers, block).w;
 }
 
 Path begin(uint number) {
@@ -164,6 +171,7 @@ Path begin(uint number) {
         path.ray = Ray(start.origin, start.direction, NO_LIMIT);
         path.power = start.power;
         path.bounce = 0u;
+        if (SCATTERING) path.collisions = 0u;
         path.media = start.media;
         path.wavelength = NO_WAVELENGTH;
         path.specular_only = true;
@@ -177,6 +185,10 @@ Path begin(uint number) {
     path.ray = Ray(state.origin, state.direction, NO_LIMIT);
     path.power = state.power;
     path.bounce = state.bounce;
+    if (SCATTERING) {
+        path.bounce &= 0xFFFFu;
+        path.collisions = state.bounce >> 16;
+    }
     path.media = state.media;
     path.specular_only = (state.flags & 1u) != 0u;
     path.too_deep = NESTED && (state.flags & 2u) != 0u;
@@ -194,6 +206,7 @@ void keep(Path path) {
     State state;
     state.origin = path.ray.origin;
     state.bounce = path.bounce;
+    if (SCATTERING) state.bounce |= path.collisions << 16;
     state.direction = path.ray.direction;
     state.media = path.media;
     state.power = path.power;
@@ -220,6 +233,7 @@ bool is_sampled_only(Path path) {
 
 // Where a surface is met by a share of the photons, its coverage, each stands for the others too.
 void store(inout Path path, Surface at, vec3 power, float coverage) {
+    if (IN_MEDIA) return;
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
     uint ordinal = stored_in(path.stored, map);
@@ -245,9 +259,14 @@ bool is_sane(Path path) {
         && photon_greatest(abs(path.power)) <= FATE_MAX_POWER;
 }
 
-// Processes one surface; returns how the path ended there, or FATE_NONE.
+#include "stages/trace_medium.glsl"
+
+// Processes one surface, or a collision before it; returns how the path ended there, or FATE_NONE.
 uint step_path(inout Path path, Hit hit) {
-    if (hit.primitive == NO_PRIMITIVE) return FATE_ESCAPED;
+    if (hit.primitive == NO_PRIMITIVE) {
+        if (SCATTERING) return leave_scene(path);
+        return FATE_ESCAPED;
+    }
     Surface at = surface_met(push.scene, path.ray.direction, hit, layer(path));
     Material material = push.scene.materials[at.material].at;
     bool stores = material_stores_photons(material);
@@ -261,7 +280,11 @@ uint step_path(inout Path path, Hit hit) {
     }
     if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
     Interface sides = media_interface(push.scene, material, at.front, path.media);
-    if (ABSORPTION && sides.before != VACUUM) {
+    if (SCATTERING && medium_scatters(media_medium(push.scene, sides.before))) {
+        uint crossing = cross_medium(path, sides.before, at.t);
+        if (crossing == CROSSING_ABSORBED) return FATE_ABSORBED;
+        if (crossing == CROSSING_COLLIDES) return after_collision(path.collisions);
+    } else if (ABSORPTION && sides.before != CLEAR) {
         path.power = photon_times(path.power, transmittance(push.scene, sides.before, at.t));
     }
     if (DISPERSION && media_is_dispersive(push.scene, sides)) {
@@ -269,7 +292,9 @@ uint step_path(inout Path path, Hit hit) {
         uint word = wavelength_word(s.key, s.pass, s.domain, s.path, 0u);
         media_disperse(push.scene, sides, path.wavelength, path.power, word);
     }
-    uvec4 words = sampler_words(path.numbers, BLOCK_SURFACES + path.bounce);
+    uint block = BLOCK_SURFACES + path.bounce;
+    if (SCATTERING) block += path.collisions;
+    uvec4 words = sampler_words(path.numbers, block);
     float choice = unit_f32(words.x);
     Arriving arriving =
         Arriving(path.ray.direction, path.power, at.normal, normal, vec2(unit_f32(words.y), unit_f32(words.z)));

@@ -8,7 +8,7 @@ mod library;
 use std::fs;
 
 use photon_core::random::{
-    BLOCK_LIGHT, BLOCK_LIGHT_SIDES, BLOCK_LIGHTS, BLOCK_START, BLOCK_SURFACES, Domain, WAVELENGTH_STEP,
+    BLOCK_LIGHT, BLOCK_LIGHT_SIDES, BLOCK_LIGHTS, BLOCK_SEGMENTS, BLOCK_START, BLOCK_SURFACES, Domain, WAVELENGTH_STEP,
 };
 use photon_core::{
     Camera, Estimate, Features, Filter, Kernel, Layer, Light, MapKind, Material, MaterialKind, MaterialTextures,
@@ -55,6 +55,8 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
             vec![
                 ("MEDIA_NESTED", MediaFeatures::NESTED.bits()),
                 ("MEDIA_DISPERSION", MediaFeatures::DISPERSION.bits()),
+                ("MEDIA_SCATTERING", MediaFeatures::SCATTERING.bits()),
+                ("MEDIA_AMBIENT", MediaFeatures::AMBIENT.bits()),
             ],
         ),
         ("Medium::dispersion.", vec![("MEDIUM_CAUCHY", Medium::CAUCHY), ("MEDIUM_SELLMEIER", Medium::SELLMEIER)]),
@@ -135,6 +137,9 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("DOMAIN_GATHER", Domain::Gather as u32),
                 ("DOMAIN_AREA", Domain::Area as u32),
                 ("DOMAIN_AIMED", Domain::Aimed as u32),
+                ("DOMAIN_FLIGHT", Domain::Flight as u32),
+                ("DOMAIN_DEPOSIT", Domain::Deposit as u32),
+                ("DOMAIN_SEGMENT", Domain::Segment as u32),
                 ("DOMAIN_WAVELENGTH", Domain::Wavelength as u32),
             ],
         ),
@@ -146,6 +151,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("BLOCK_SURFACES", BLOCK_SURFACES),
                 ("BLOCK_LIGHTS", BLOCK_LIGHTS),
                 ("BLOCK_LIGHT_SIDES", BLOCK_LIGHT_SIDES),
+                ("BLOCK_SEGMENTS", BLOCK_SEGMENTS),
                 ("WAVELENGTH_STEP", WAVELENGTH_STEP),
             ],
         ),

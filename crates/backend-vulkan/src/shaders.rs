@@ -226,6 +226,9 @@ pub(crate) static SEARCH_RADIUS: Module =
 pub(crate) static SEARCH_SAMPLE: Module =
     Module { name: "search_sample", bytes: include_bytes!("../spirv/search_sample.spv") };
 
+pub(crate) static SEARCH_SEGMENT: Module =
+    Module { name: "search_segment", bytes: include_bytes!("../spirv/search_segment.spv") };
+
 pub(crate) static SORT_COUNT: Module = Module { name: "sort_count", bytes: include_bytes!("../spirv/sort_count.spv") };
 
 pub(crate) static SORT_OFFSETS: Module =
@@ -266,6 +269,9 @@ pub(crate) static STAGES_IRRADIANCE: Module =
 pub(crate) static STAGES_IRRADIANCE_PLACES: Module =
     Module { name: "stages_irradiance_places", bytes: include_bytes!("../spirv/stages_irradiance_places.spv") };
 
+pub(crate) static STAGES_MEDIUM_DIRECT: Module =
+    Module { name: "stages_medium_direct", bytes: include_bytes!("../spirv/stages_medium_direct.spv") };
+
 pub(crate) static STAGES_TALLY: Module =
     Module { name: "stages_tally", bytes: include_bytes!("../spirv/stages_tally.spv") };
 
@@ -279,7 +285,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// Those of the pipeline.
-pub(crate) static KERNELS: [&Module; 59] = [
+pub(crate) static KERNELS: [&Module; 61] = [
     &DEVICE_COPY,
     &FILM_ACCUMULATE,
     &FILM_AVERAGE,
@@ -321,6 +327,7 @@ pub(crate) static KERNELS: [&Module; 59] = [
     &SEARCH_ORDER,
     &SEARCH_RADIUS,
     &SEARCH_SAMPLE,
+    &SEARCH_SEGMENT,
     &SORT_COUNT,
     &SORT_OFFSETS,
     &SORT_SCATTER,
@@ -335,6 +342,7 @@ pub(crate) static KERNELS: [&Module; 59] = [
     &STAGES_FINAL_GATHER_SUM,
     &STAGES_IRRADIANCE,
     &STAGES_IRRADIANCE_PLACES,
+    &STAGES_MEDIUM_DIRECT,
     &STAGES_TALLY,
     &STAGES_TRACE,
     &STAGES_TRACE_ADVANCE,

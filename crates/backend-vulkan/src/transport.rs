@@ -3,19 +3,21 @@
 use std::time::Instant;
 
 use photon_core::{
-    AimedStages, Announcement, Area, Backend, Error, GlossCaustics, MediaFeatures, ProjectionMap, Query, Requirements,
-    Result, SceneView, Settings, Solids, Stage, Stages, TransportBackend,
+    AimedStages, Announcement, Area, Backend, GlossCaustics, MediaFeatures, MediaStages, ProjectionMap, Query,
+    Requirements, Result, SceneView, Settings, Stage, Stages, TransportBackend,
 };
 
 use crate::device::buffer::VulkanBuffer;
 use crate::map::estimate::VulkanEstimator;
+use crate::map::estimate::beam::VulkanBeamEstimator;
 use crate::scene::VulkanScene;
 use crate::stages::area::VulkanArea;
-use crate::stages::direct::VulkanDirect;
+use crate::stages::direct::{self, VulkanDirect};
 use crate::stages::emit::{VulkanAimedEmitter, VulkanEmitter};
 use crate::stages::eye::{self, EyePaths, VulkanEye};
 use crate::stages::final_gather::VulkanGather;
 use crate::stages::irradiance::VulkanIrradiance;
+use crate::stages::medium_direct;
 use crate::stages::trace::{PhotonPaths, VulkanTracer};
 use crate::vulkan::Vulkan;
 
@@ -33,13 +35,6 @@ impl TransportBackend for Vulkan {
     }
 
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<VulkanScene> {
-        if Solids::of(scene).features().contains(MediaFeatures::SCATTERING) {
-            return Err(Error::InvalidSetting {
-                name: "backend",
-                value: "vulkan, for a scene with media that scatter light".into(),
-                hint: "they are rendered on the CPU so far: use --backend cpu",
-            });
-        }
         // Work of the host, which timestamps of the device do not show.
         let start = Instant::now();
         let given = self.tree.as_ref().is_some_and(|(tree, _)| tree.order.len() == scene.triangles.len());
@@ -55,7 +50,7 @@ impl TransportBackend for Vulkan {
             emitter: Box::new(VulkanEmitter),
             tracer: Box::new(VulkanTracer::new(self, settings, PhotonPaths::new(settings))?),
             eye: Box::new(VulkanEye::new(self, settings, EyePaths::new(settings, required))?),
-            direct: if required.shadow_rays { Some(Box::new(VulkanDirect)) } else { None },
+            direct: if required.shadow_rays { Some(Box::new(VulkanDirect { kernel: direct::kernel })) } else { None },
             gather: if required.final_gather {
                 let area = (settings.area == Area::Surface).then_some(VulkanArea);
                 let estimator = Box::new(VulkanEstimator::default());
@@ -76,7 +71,18 @@ impl TransportBackend for Vulkan {
             } else {
                 None
             },
-            media: None,
+            media: if required.media.contains(MediaFeatures::SCATTERING) {
+                let [paths, aimed] = [PhotonPaths::new(settings), PhotonPaths::aimed(settings)];
+                Some(MediaStages {
+                    tracer: Box::new(VulkanTracer::new(self, settings, paths.in_media())?),
+                    aimed: Box::new(VulkanTracer::new(self, settings, aimed.in_media())?),
+                    eye: Box::new(VulkanEye::new(self, settings, EyePaths::for_segments(required))?),
+                    direct: Box::new(VulkanDirect { kernel: medium_direct::kernel }),
+                    estimator: Box::new(VulkanBeamEstimator::default()),
+                })
+            } else {
+                None
+            },
             map: self.map_stages(settings.index)?,
         })
     }

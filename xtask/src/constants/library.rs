@@ -2,7 +2,7 @@
 
 use photon_core::{
     AlbedoTable, Coat, ConfidenceInterval, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, PixelRadii,
-    RoughGlassTable, SheenTable, Spectrum, anisotropy, area, clearcoat, cosine_warp, ggx, glossy, kd_tree,
+    RoughGlassTable, SheenTable, Spectrum, anisotropy, area, clearcoat, cosine_warp, flight, ggx, glossy, kd_tree,
     light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen, solid_angle,
 };
 use photon_scene::CompressedTree;
@@ -78,6 +78,14 @@ pub(super) fn groups() -> Vec<Group> {
             ],
         ),
         ("octahedral.", vec![("OCTAHEDRAL_STEPS", octahedral::STEPS.into())]),
+        (
+            "flight.",
+            vec![
+                ("FLIGHT_FAR", flight::FAR.into()),
+                ("FLIGHT_MAX_COLLISIONS", flight::MAX_COLLISIONS.into()),
+                ("FLIGHT_FOCUSED_DEPOSITS", flight::FOCUSED_DEPOSITS.into()),
+            ],
+        ),
         (
             "offset.",
             vec![

@@ -15,10 +15,13 @@ const GROUP: u32 = 128;
 
 /// Shadow rays to points on the lights.
 #[derive(Debug)]
-pub(crate) struct VulkanDirect;
+pub(crate) struct VulkanDirect {
+    /// The kernel for a scene.
+    pub(crate) kernel: fn(&mut Vulkan, &SceneKind) -> ComputePipeline,
+}
 
 parameters! {
-    struct Push => STAGES_DIRECT {
+    struct Push => STAGES_DIRECT STAGES_MEDIUM_DIRECT {
         scene: u64,
         queries: u64,
         count: u64,
@@ -38,7 +41,7 @@ specialized!(
     0 features: Features, 2 weighed: u32, 3 media: MediaFeatures, 4 groups: u32; default shared_groups
 );
 
-/// The kernel.
+/// The kernel for visible points.
 pub(crate) fn kernel(on: &mut Vulkan, scene: &SceneKind) -> ComputePipeline {
     let SceneKind { features, weighed, media, light_groups, .. } = *scene;
     on.kernel(
@@ -61,7 +64,7 @@ impl DirectLight<Vulkan> for VulkanDirect {
         if shadow_rays == 0 {
             return Ok(());
         }
-        let kernel = kernel(on, &scene.kind);
+        let kernel = (self.kernel)(on, &scene.kind);
         // The number of queries is not needed on the host: dispatch for the full capacity.
         let capacity = queries.capacity();
         let rounds = shadow_rays.min(on.dispatch_limits.shadow_rays_of_query);

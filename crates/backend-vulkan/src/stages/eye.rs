@@ -3,7 +3,7 @@
 use photon_core::random::Domain;
 use photon_core::{
     Camera, EyeTracer, Features, Layer, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Requirements, Result, Settings,
-    View,
+    View, segments_per_pixel,
 };
 
 use crate::device::buffer::VulkanBuffer;
@@ -44,6 +44,8 @@ pub(crate) struct EyePaths {
     /// Whether paths leave queries for the reflection of glossy surfaces, instead of all else:
     /// [`photon_core::GlossCaustics`].
     reflections: bool,
+    /// Maximum number of segments that paths leave for each pixel, instead of all else: [`photon_core::MediaStages`]; 0: none.
+    segments: u32,
     /// [`photon_core::Requirements::terminator_offset`].
     terminator_offset: bool,
     /// [`Requirements::caustic_roughness`].
@@ -110,7 +112,7 @@ specialized!(
     eye_constants: EyeConstants => STAGES_EYE,
     0 features: Features, 2 max_splits: u32, 3 paths_log2: u32, 4 tile_rows_log2: u32, 5 media: MediaFeatures,
     6 weighed: u32, 7 hides_background: bool, 8 reflections: bool,
-    9 terminator_offset: bool, 11 caustic_roughness: u32, 12 marked: bool;
+    9 terminator_offset: bool, 11 caustic_roughness: u32, 12 marked: bool, 13 segments: u32;
     default shared_groups
 );
 
@@ -131,6 +133,7 @@ impl EyePaths {
         Self {
             hides_background: settings.transparent_background,
             reflections: false,
+            segments: 0,
             terminator_offset: required.terminator_offset,
             caustic_roughness: required.caustic_roughness(settings),
         }
@@ -141,14 +144,30 @@ impl EyePaths {
         Self { hides_background: false, reflections: true, ..Self::new(settings, required) }
     }
 
+    /// Those of [`photon_core::MediaStages`].
+    pub(crate) fn for_segments(required: &Requirements) -> Self {
+        Self {
+            hides_background: false,
+            reflections: false,
+            segments: segments_per_pixel(required.features),
+            terminator_offset: false,
+            caustic_roughness: None,
+        }
+    }
+
+    /// Log2 of the number of slots for each pixel.
+    fn places_log2(&self, features: Features) -> u32 {
+        if self.segments > 0 { self.segments.ilog2() } else { splits(features) }
+    }
+
     /// Kernels: that of the paths, and those that compact their queries.
     pub(crate) fn kernels(&self, on: &mut Vulkan, scene: &SceneKind, view: &View) -> [ComputePipeline; 3] {
         let features = features(scene, view);
-        let splits = splits(features);
+        let places_log2 = self.places_log2(features);
         let caustic_roughness = self.caustic_roughness.filter(|&least| least <= scene.roughest_caustic);
         let constants = EyeConstants {
             features,
-            max_splits: splits,
+            max_splits: splits(features),
             paths_log2: SPLITS,
             tile_rows_log2: tile_rows_log2(view),
             media: scene.media,
@@ -158,10 +177,11 @@ impl EyePaths {
             terminator_offset: self.terminator_offset && scene.has_vertex_normals,
             caustic_roughness: caustic_roughness.map_or(u32::MAX, f32::to_bits),
             marked: caustic_roughness.is_some() && scene.has_lights_without_extent,
+            segments: self.segments,
         };
         [
             on.kernel(&shaders::STAGES_EYE, GROUP, &constants),
-            on.kernel(&shaders::STAGES_EYE_COMPACT, GROUP, &CompactConstants { places_log2: splits }),
+            on.kernel(&shaders::STAGES_EYE_COMPACT, GROUP, &CompactConstants { places_log2 }),
             on.kernel(&shaders::STAGES_EYE_SETTLE, GROUP, &()),
         ]
     }
@@ -198,15 +218,22 @@ impl EyeTracer<Vulkan> for VulkanEye {
         queries: &mut VulkanBuffer<Query>,
     ) -> Result<()> {
         film.check_size(view.width, view.height)?;
-        let splits = splits(features(&scene.kind, view));
+        let places_log2 = self.paths.places_log2(features(&scene.kind, view));
         let pixels = view.width * view.height;
-        let places = u64::from(pixels) << splits;
+        let places = u64::from(pixels) << places_log2;
         let in_place = queries.capacity() >= places;
-        let apart =
-            if in_place { places.min(u64::from(on.dispatch_limits.places >> splits).max(1) << splits) } else { places };
+        let apart = if in_place {
+            places.min(u64::from(on.dispatch_limits.places >> places_log2).max(1) << places_log2)
+        } else {
+            places
+        };
         if !self.scratch.as_ref().is_some_and(|scratch| scratch.fits(pixels, apart)) {
             self.scratch = None;
-            let label = if self.paths.reflections { "camera paths for reflections" } else { "camera paths" };
+            let label = match (self.paths.reflections, self.paths.segments > 0) {
+                (true, _) => "camera paths for reflections",
+                (false, true) => "camera paths in media",
+                (false, false) => "camera paths",
+            };
             self.scratch = Some(EyeScratch::new(on, label, pixels, apart)?);
         }
         let Some(scratch) = &self.scratch else { return Ok(()) };
@@ -245,7 +272,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
         let (counts, offsets) = (scratch.counts.address(), scratch.offsets.address());
         self.scan.exclusive(on, counts, offsets, u64::from(pixels), queries.count_address())?;
         queries.touch();
-        close_ranks(on, [&compact, &settle], scratch, queries, in_place, splits, pixels)
+        close_ranks(on, [&compact, &settle], scratch, queries, in_place, places_log2, pixels)
     }
 
     fn truncated(&mut self, on: &mut Vulkan) -> Result<u64> {
@@ -260,16 +287,16 @@ fn close_ranks(
     scratch: &EyeScratch,
     queries: &VulkanBuffer<Query>,
     in_place: bool,
-    splits: u32,
+    places_log2: u32,
     pixels: u32,
 ) -> Result<()> {
-    let chunk = if in_place { (on.dispatch_limits.places >> splits).max(1) } else { pixels };
+    let chunk = if in_place { (on.dispatch_limits.places >> places_log2).max(1) } else { pixels };
     for start in (0..pixels).step_by(chunk as usize) {
         let count = chunk.min(pixels - start);
-        let groups = (u64::from(count) << splits).div_ceil(u64::from(GROUP));
+        let groups = (u64::from(count) << places_log2).div_ceil(u64::from(GROUP));
         let (found, to) = (queries.data_address(), scratch.queries.address());
         let (found, to, capacity) =
-            if in_place { (found, to, count << splits) } else { (to, found, queries.capacity() as u32) };
+            if in_place { (found, to, count << places_log2) } else { (to, found, queries.capacity() as u32) };
         let (counts, offsets) = (scratch.counts.address(), scratch.offsets.address());
         let push = CompactPush { found, counts, offsets, to, capacity, start, count, padding: 0 };
         on.dispatch(compact, &push, groups)?;

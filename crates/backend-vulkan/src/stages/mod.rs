@@ -6,6 +6,7 @@ pub(crate) mod emit;
 pub(crate) mod eye;
 pub(crate) mod final_gather;
 pub(crate) mod irradiance;
+pub(crate) mod medium_direct;
 mod tally;
 pub(crate) mod trace;
 mod trace_plan;

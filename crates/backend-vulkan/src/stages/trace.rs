@@ -1,6 +1,6 @@
 //! Photon tracing: paths are followed through the scene, and photons stored in path order.
 //!
-//! Paths are traced in chunks, each in rounds of a limited number of surfaces: invocations append photons to a
+//! Paths are traced in chunks, each in rounds of a limited number of surfaces and collisions: invocations append photons to a
 //! shared buffer in any order and count them per path; prefix sums of the counts then give the final position
 //! of each photon. Rounds bound how long a dispatch runs. Some drivers silently end long loops: lavapipe (of
 //! Mesa 22) after 65 535 iterations in total, which is why [`TracePlan::surfaces`] and [`TracePlan::quota`] are
@@ -9,9 +9,10 @@
 mod push;
 mod scratch;
 
+use photon_core::flight::{FOCUSED_DEPOSITS, MAX_COLLISIONS};
 use photon_core::{
-    Batch, Deposits, MapKind, PerMap, Photon, PhotonFormat, PhotonRay, RandomKind, Requirements, Result, Scheduling,
-    Settings, Tally, Tracer,
+    Batch, Deposits, MapKind, MediaFeatures, PerMap, Photon, PhotonFormat, PhotonRay, RandomKind, Requirements, Result,
+    Scheduling, Settings, Tally, Tracer,
 };
 
 use self::push::{
@@ -59,6 +60,8 @@ pub(crate) struct PhotonPaths {
     fates: usize,
     /// Whether photons are those of [`photon_core::GlossCaustics`].
     reflections: bool,
+    /// Whether photons are those of [`photon_core::MediaStages`].
+    in_media: bool,
     /// [`photon_core::Requirements::caustic_roughness`].
     caustic_roughness: Option<f32>,
 }
@@ -86,7 +89,8 @@ impl VulkanTracer {
 impl PhotonPaths {
     /// All paths that are not aimed.
     pub(crate) fn new(settings: &Settings) -> Self {
-        Self { scheduling: settings.scheduling, fates: FATES, reflections: false, caustic_roughness: None }
+        let scheduling = settings.scheduling;
+        Self { scheduling, fates: FATES, reflections: false, in_media: false, caustic_roughness: None }
     }
 
     /// Aimed paths, which end at the first diffuse surface.
@@ -98,6 +102,11 @@ impl PhotonPaths {
     pub(crate) fn for_reflections(settings: &Settings, required: &Requirements) -> Self {
         let caustic_roughness = required.caustic_roughness(settings);
         Self { reflections: true, caustic_roughness, ..Self::aimed(settings) }
+    }
+
+    /// The same paths, for [`photon_core::MediaStages`].
+    pub(crate) fn in_media(self) -> Self {
+        Self { in_media: true, ..self }
     }
 
     /// The kernel that traces paths.
@@ -114,6 +123,7 @@ impl PhotonPaths {
             reflections: self.reflections,
             shared_groups: plan.shared_groups,
             all_lights: self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic),
+            in_media: self.in_media,
         };
         on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)
     }
@@ -160,7 +170,7 @@ impl Tracer<Vulkan> for VulkanTracer {
             let chunk = self.longest.min(count - first);
             let targets = deposits.each_ref().map(Option::as_deref);
             let places = on.trace_plan.places.min(self.most(&targets, chunk));
-            self.scratch(on, chunk, places)?;
+            self.scratch(on, chunk, places, self.events(&scene.kind))?;
             if self.chunk(on, scene, batch, rays, &mut deposits, first, chunk)? {
                 first += chunk;
             }
@@ -217,7 +227,7 @@ impl VulkanTracer {
                 pad: 0,
             };
             on.write(&scratch.chunk, 0, bytemuck::bytes_of(&chunk))?;
-            self.rounds(on, scratch, (scene.address(), rays.data_address()), &trace, count)?;
+            self.rounds(on, scratch, (scene, rays.data_address()), &trace, count)?;
             if self.most(&targets, count) <= scratch.places {
                 break;
             }
@@ -232,7 +242,7 @@ impl VulkanTracer {
                 self.longest = (count * scratch.places / stored * 7 / 8).max(SHORTEST);
                 return Ok(false);
             }
-            self.scratch(on, count, stored + stored / 8)?;
+            self.scratch(on, count, stored + stored / 8, self.events(&scene.kind))?;
         }
         self.arrange(on, rays, targets, first, count)?;
         Ok(true)
@@ -242,17 +252,29 @@ impl VulkanTracer {
     /// together are not needed: then one map has overflowed, and its content does not matter.
     fn most(&self, targets: &Targets<'_>, count: u64) -> u64 {
         let held = targets.values().flatten().map(|target| target.capacity()).sum::<u64>();
-        // An aimed path stores at most one photon, at its end.
-        let each = if self.paths.fates == AIMED_FATES { 1 } else { u64::from(self.max_bounces) };
-        held.min(count * each)
+        let stretches = u64::from(self.max_bounces);
+        let each = match (self.paths.in_media, self.paths.fates == AIMED_FATES) {
+            // After the first collision one photon for each stretch.
+            (true, _) => stretches * u64::from(FOCUSED_DEPOSITS) + u64::from(MAX_COLLISIONS) + 1,
+            // An aimed path stores at most one photon, at its end.
+            (false, true) => 1,
+            (false, false) => stretches,
+        };
+        held.min(count.saturating_mul(each))
     }
 
-    /// Traces the paths of a chunk to their ends, a limited number of surfaces per round.
+    /// Maximum number of surfaces and collisions of a path.
+    fn events(&self, scene: &SceneKind) -> u32 {
+        let collisions = if scene.media.contains(MediaFeatures::SCATTERING) { MAX_COLLISIONS + 1 } else { 0 };
+        self.max_bounces.saturating_add(collisions)
+    }
+
+    /// Traces the paths of a chunk to their ends, a limited number of surfaces and collisions per round.
     fn rounds(
         &self,
         on: &mut Vulkan,
         scratch: &TraceScratch,
-        (scene, rays): (u64, u64),
+        (scene, rays): (&VulkanScene, u64),
         trace: &ComputePipeline,
         count: u64,
     ) -> Result<()> {
@@ -265,7 +287,7 @@ impl VulkanTracer {
         let quota = count.div_ceil(threads) as u32 * if self.paths.scheduling == Scheduling::Dynamic { 2 } else { 1 };
         let round = |number: u32| scratch.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
         let list = |number: u32| scratch.waiting.address() + u64::from(number % 2) * scratch.paths * 4;
-        let rounds = self.max_bounces.div_ceil(plan.surfaces);
+        let rounds = self.events(&scene.kind).div_ceil(plan.surfaces);
         for number in 0..rounds {
             if number > 0 {
                 // The counters that the next round will use are those of the previous one.
@@ -273,7 +295,7 @@ impl VulkanTracer {
             }
             let push = TracePush {
                 chunk: scratch.chunk.address(),
-                scene,
+                scene: scene.address(),
                 rays,
                 photons: scratch.photons.address(),
                 owners: scratch.owners.address(),

@@ -3,8 +3,8 @@
 //! Stages say which kernels they need by the functions that also dispatch them.
 
 use photon_core::{
-    AnnouncedMap, Announcement, Area, Bandwidth, EstimateParams, Features, Indirect, Kernel, Layer, MapPlace, PerMap,
-    PhotonFormat, QUERIES_PER_PIXEL, Result, Search,
+    AnnouncedMap, Announcement, Area, Bandwidth, EstimateParams, Features, Indirect, Kernel, Layer, MapPlace,
+    MediaFeatures, PerMap, PhotonFormat, QUERIES_PER_PIXEL, Result, Search,
 };
 
 use crate::film;
@@ -13,7 +13,7 @@ use crate::map::estimate;
 use crate::scene::SceneKind;
 use crate::stages::eye::{self, EyePaths};
 use crate::stages::trace::PhotonPaths;
-use crate::stages::{area, direct, emit, final_gather, irradiance};
+use crate::stages::{area, direct, emit, final_gather, irradiance, medium_direct};
 use crate::vulkan::Vulkan;
 
 /// Requests all kernels of these passes, those that take longest first.
@@ -44,13 +44,16 @@ fn photons(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
             }
             formats
         };
-        let (plain, reflected) = (formats(MapPlace::Surface), formats(MapPlace::Reflection));
+        let [plain, reflected, in_media] = MapPlace::ALL.map(formats);
         let any = |formats: PerMap<Option<PhotonFormat>>| formats.values().any(Option::is_some);
-        if !any(plain) && !any(reflected) {
+        if ![plain, reflected, in_media].into_iter().any(any) {
             continue;
         }
         let paths = if is_aimed { PhotonPaths::aimed(settings) } else { PhotonPaths::new(settings) };
         paths.announce(on, scene, settings.random, plain);
+        if any(in_media) {
+            paths.in_media().announce(on, scene, settings.random, in_media);
+        }
         if any(reflected) {
             let paths = PhotonPaths::for_reflections(settings, passes.required);
             paths.announce(on, scene, settings.random, reflected);
@@ -67,6 +70,10 @@ fn camera(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
     if passes.required.shadow_rays {
         direct::kernel(on, scene);
     }
+    if passes.required.media.contains(MediaFeatures::SCATTERING) {
+        EyePaths::for_segments(passes.required).kernels(on, scene, &passes.view);
+        medium_direct::kernel(on, scene);
+    }
 }
 
 fn estimates(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
@@ -74,6 +81,10 @@ fn estimates(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
     let surface = settings.area == Area::Surface;
     let queries = queries(passes);
     for map in &passes.maps {
+        if map.place == MapPlace::Medium {
+            estimate::beam::announce(on, map.gather.kernel, scene);
+            continue;
+        }
         if passes.has_pilot {
             estimate::announce_neighbours(on, map.photon_format, settings.min_normal_cosine);
             if map.is_shown && map.place == MapPlace::Surface {
@@ -141,14 +152,16 @@ fn films(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
         }
     };
     add(Layer::Emission, eye::finds_light(scene, &passes.view));
-    add(Layer::Direct, passes.required.shadow_rays);
+    let scatters = passes.required.media.contains(MediaFeatures::SCATTERING);
+    add(Layer::Direct, passes.required.shadow_rays || scatters);
     add(Layer::Indirect, gathers);
     let mut shown = PerMap::<bool>::default();
     for map in passes.maps.iter().filter(|map| map.is_shown) {
         add(map.kind.layer(), true);
         shown[map.kind] = true;
     }
-    film::announce(on, &layers, shown.any(), passes.required.shadow_rays || gathers, settings.camera_samples > 1);
+    let averages = settings.camera_samples > 1;
+    film::announce(on, &layers, shown.any(), passes.required.shadow_rays || scatters || gathers, averages);
     if settings.errors {
         film::errors::announce(on, shown, gathers);
     }

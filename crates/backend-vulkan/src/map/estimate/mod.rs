@@ -3,6 +3,7 @@
 //! A subgroup processes as many queries at a time as it has invocations, and traverses the tree once for all of
 //! them: `shaders-glsl/search/search_walk.glsl`. Queries that are close to each other share memory reads.
 
+pub(crate) mod beam;
 mod closest;
 mod neighbours;
 mod order;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use photon_core::{Error, Kernel, PhotonFormat, Query, Result};
+use photon_core::{Error, Kernel, MediaFeatures, PhotonFormat, Query, Result};
 
 use super::order::Order;
 use super::pause::{PausedSearches, SUBGROUPS};
@@ -43,6 +43,8 @@ pub(super) enum Mode {
     Rows,
     /// The number of photons within a radius.
     Count,
+    /// An estimate from all photons within a radius of a segment.
+    Segment,
 }
 
 /// What the power of photons is multiplied by: `SHADING` of the kernels.
@@ -58,12 +60,14 @@ pub(super) enum Weighting {
     Anisotropic(u64),
     /// The same, which may be that of a sheen; the table of its albedos follows.
     Sheen(u64),
+    /// The phase function and the transmittance of a medium; the address of the scene, and features of its media.
+    Medium(u64, MediaFeatures),
 }
 
 impl Weighting {
     fn number(self) -> u32 {
         match self {
-            Self::Even => 0,
+            Self::Even | Self::Medium(..) => 0,
             Self::Cosine => 1,
             Self::Reflection(_) => 2,
             Self::Anisotropic(_) => 3,
@@ -71,11 +75,16 @@ impl Weighting {
         }
     }
 
-    /// Address of the table of albedos; 0 without one.
+    /// Features of media.
+    fn media(self) -> MediaFeatures {
+        if let Self::Medium(_, media) = self { media } else { MediaFeatures::NONE }
+    }
+
+    /// Address of the table of albedos, or of the scene; 0 without one.
     fn albedos(self) -> u64 {
         match self {
             Self::Even | Self::Cosine => 0,
-            Self::Reflection(albedos) | Self::Anisotropic(albedos) | Self::Sheen(albedos) => albedos,
+            Self::Reflection(table) | Self::Anisotropic(table) | Self::Sheen(table) | Self::Medium(table, _) => table,
         }
     }
 }
@@ -108,7 +117,7 @@ pub(super) struct Question {
 
 parameters! {
     /// Parameters of `search_map.glsl`.
-    struct Push => SEARCH_COUNT SEARCH_K_NEAREST SEARCH_RADIUS {
+    struct Push => SEARCH_COUNT SEARCH_K_NEAREST SEARCH_RADIUS SEARCH_SEGMENT {
         nodes: u64,
         totals: u64,
         positions: u64,
@@ -161,6 +170,12 @@ specialized!(
 
 specialized!(
     count_constants: CountConstants => SEARCH_COUNT, 2 tiles: u32, 3 ordered: bool, 8 turns: u32; default format
+);
+
+specialized!(
+    segment_constants: SegmentConstants => SEARCH_SEGMENT,
+    2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 media: MediaFeatures, 8 turns: u32, 9 format: PhotonFormat;
+    default shared_groups
 );
 
 specialized!(sample_constants: SampleConstants => SEARCH_SAMPLE, 2 format: PhotonFormat);
@@ -246,6 +261,11 @@ impl MapSearch {
             }
             Mode::Count => {
                 on.kernel(&shaders::SEARCH_COUNT, workgroup, &CountConstants { tiles: TILES, ordered: false, turns })
+            }
+            Mode::Segment => {
+                let (kernel, media) = (question.kernel.number(), question.shading.media());
+                let constants = SegmentConstants { tiles: TILES, ordered: false, kernel, media, turns, format };
+                on.kernel(&shaders::SEARCH_SEGMENT, workgroup, &constants)
             }
             Mode::Nearest | Mode::Paper | Mode::Rows => {
                 let constants = NearestConstants {

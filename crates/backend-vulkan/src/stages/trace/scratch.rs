@@ -36,13 +36,14 @@ pub(super) const MAPS: usize = MapKind::COUNT;
 const STATE: u64 = (4 * (13 + MAPS as u64)).next_multiple_of(16);
 
 impl VulkanTracer {
-    /// Allocates scratch buffers for chunks of `paths` paths and `places` photons.
-    pub(super) fn scratch(&mut self, on: &mut Vulkan, paths: u64, places: u64) -> Result<()> {
+    /// Allocates scratch buffers for chunks of `paths` paths of at most `events` surfaces and collisions each, and `places`
+    /// photons.
+    pub(super) fn scratch(&mut self, on: &mut Vulkan, paths: u64, places: u64, events: u32) -> Result<()> {
         if self.scratch.as_ref().is_some_and(|scratch| scratch.paths >= paths && scratch.places >= places) {
             return Ok(());
         }
         self.scratch = None;
-        let long = self.max_bounces > on.trace_plan.surfaces;
+        let long = events > on.trace_plan.surfaces;
         let scratch = TraceScratch {
             paths,
             places,
@@ -55,10 +56,12 @@ impl VulkanTracer {
             cursors: on.memory("cursors", CURSORS)?,
             chunk: on.memory("stretch", size_of::<Chunk>() as u64)?,
         };
-        let label = match (self.paths.reflections, self.paths.fates == AIMED_FATES) {
-            (true, _) => "tracing reflected photons",
-            (false, true) => "tracing aimed photons",
-            (false, false) => "tracing",
+        let label = match (self.paths.reflections, self.paths.in_media, self.paths.fates == AIMED_FATES) {
+            (true, ..) => "tracing reflected photons",
+            (false, true, false) => "tracing photons in media",
+            (false, true, true) => "tracing aimed photons in media",
+            (false, false, true) => "tracing aimed photons",
+            (false, false, false) => "tracing",
         };
         let path = 4 * MAPS as u64 + 16 + if long { STATE + 8 } else { 0 };
         on.note_memory(label, places * 40 + paths * path);

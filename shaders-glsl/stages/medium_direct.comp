@@ -1,0 +1,166 @@
+// Light of light sources that is scattered once along segments, by shadow rays. Twin of backend-cpu's medium_direct.rs, with the
+// same random numbers.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(local_size_x_id = 1) in;
+
+layout(constant_id = 0) const uint FEATURES = 511;
+// Number of lights that are weighted at each segment; 0 if they are chosen by power alone.
+layout(constant_id = 2) const uint WEIGHED = 0;
+layout(constant_id = 3) const uint MEDIA = 4;
+
+#include "shading/constants.glsl"
+#include "device/grid.glsl"
+#include "shading/layout.glsl"
+#include "shading/math.glsl"
+#include "shading/coated_light.glsl"
+#include "shading/equiangular.glsl"
+#include "shading/media.glsl"
+#include "shading/phase.glsl"
+#include "shading/random.glsl"
+#include "shading/sampling.glsl"
+#include "shading/scene.glsl"
+#include "shading/segment.glsl"
+#include "shading/shade.glsl"
+#include "shading/two_float.glsl"
+#include "shading/light_sampler.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Count { uint needed; uint capacity; };
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
+    SceneRef scene;
+    Queries queries;
+    Count count;
+    Values values;
+    uvec2 seed;
+    uint pass;
+    uint rays;
+    // First segment of this dispatch, and range of rays of each segment.
+    uint start;
+    uint start_ray;
+    uint end_ray;
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
+
+// Power of a light over the squared distance of the segment from its middle. Light from infinity reaches no medium: solids are
+// in its way, and nothing passes a medium without bounds.
+float weight_along(uint index, Segment segment) {
+    Light light = push.scene.lights[index].at;
+    if (light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT) return 0.0;
+    vec3 middle = light.position;
+    if (light.kind == LIGHT_TRIANGLE) {
+        Emission area_light = push.scene.emissions[index].at;
+        middle = (area_light.a + area_light.b + area_light.c) / 3.0;
+    }
+    vec3 gap = middle - segment.origin;
+    vec3 nearest = segment.direction * clamp(dot3(gap, segment.direction), 0.0, segment.far);
+    vec3 rest = gap - nearest;
+    return (light.power.x + light.power.y + light.power.z) / max(dot3(rest, rest), 1e-6);
+}
+
+LightSampler lights_along(Segment segment) {
+    LightSampler light_sampler;
+    light_sampler.count = 0;
+    float total = 0.0;
+    for (uint i = 0; i < WEIGHED; i++) {
+        light_sampler.cdf[i] = weight_along(i, segment);
+        total += light_sampler.cdf[i];
+    }
+    light_sampler_by_weight(light_sampler, WEIGHED, total);
+    return light_sampler;
+}
+
+// A point on a light.
+struct Emitter {
+    vec3 at;
+    vec3 normal;
+    vec2 weights;
+};
+
+// Evenly over the area; false for light from infinity.
+bool emitter_sample(uint index, Light light, uvec2 point, out Emitter emitter) {
+    emitter = Emitter(light.position, vec3(0.0), vec2(0.0));
+    if (light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT) return false;
+    if (light.kind == LIGHT_TRIANGLE) {
+        Emission area_light = push.scene.emissions[index].at;
+        emitter.weights = sampling_triangle(unit_f32(point.x), unit_f32(point.y));
+        emitter.at = barycentric(area_light.a, area_light.b, area_light.c, emitter.weights.x, emitter.weights.y);
+        emitter.normal = area_light.normal;
+    }
+    return true;
+}
+
+// Radiant intensity of a light against `direction`; of an area light that of all of its power, as if emitted here.
+vec3 intensity_of(uint index, Light light, vec3 front, vec2 weights, vec3 direction) {
+    if ((FEATURES & FEATURE_POINT_LIGHTS) != 0 && light.kind == LIGHT_POINT) return light.power * 0.0795774715;
+    if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0 && light.kind == LIGHT_SPOT) {
+        float off = sampling_versine(-direction, light.direction);
+        float falloff = spot_falloff(off, light.versine_inner, light.versine_outer);
+        return light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
+    }
+    float sides = (light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0;
+    vec3 radiance = light.power * (sides * max(-dot3(direction, front) * 0.318309886, 0.0));
+    uint slot = push.scene.emissions[index].at.slot;
+    // A ratio to the power of the light.
+    if (TEXTURED_LIGHTS) radiance *= shade_emission_ratio(push.scene, light, slot, weights.x, weights.y);
+    if (COATED_LIGHTS) radiance *= emission_through(push.scene, slot, weights.x, weights.y, -direction);
+    return radiance;
+}
+
+// Radiance by way of a place on the segment, chosen by `choice`, and a point on a light, over the density of both.
+vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alpha) {
+    Light light = push.scene.lights[index].at;
+    Emitter emitter;
+    if (!emitter_sample(index, light, point, emitter)) return vec3(0.0);
+    Medium medium = media_medium(push.scene, segment.media);
+    vec3 extinction = medium_extinction(medium);
+    precise float mean = flight_total(extinction) / 3.0;
+    Equiangular angles = equiangular_new(segment.origin, segment.direction, segment.far, emitter.at);
+    // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
+    float far = choice < 0.5 ? min(equiangular_sample(angles, 2.0 * choice), segment.far)
+                             : exponential_sample(mean, segment.far, 2.0 * choice - 1.0);
+    float density =
+        0.5 * (equiangular_density(angles, far) + exponential_density(mean, segment.far, far));
+    precise vec3 from = segment.origin + segment.direction * far;
+    vec3 front = emitter.normal;
+    if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(front, from - emitter.at) < 0.0) front = -front;
+    vec3 to = light.kind == LIGHT_TRIANGLE ? off_surface(emitter.at, front) : emitter.at;
+    precise vec3 gap = to - from;
+    float square = dot3(gap, gap);
+    if (!(square > 0.0)) return vec3(0.0);
+    float away = sqrt(square);
+    precise vec3 direction = gap / away;
+    vec3 intensity = intensity_of(index, light, front, emitter.weights, direction);
+    if (intensity == vec3(0.0) || occluded(push.scene, Ray(from, direction, away), alpha)) return vec3(0.0);
+    float phase = phase_value(medium.anisotropy, dot3(direction, segment.direction));
+    // The shadow ray meets no surface, so that all of it lies in the same medium.
+    vec3 passes = medium_transmittance(medium, far + away);
+    return intensity * medium.scattering * passes * (phase / (square * density));
+}
+
+void main() {
+    uint i = push.start + thread();
+    if (i >= min(push.count.needed, push.count.capacity)) return;
+    Segment segment = segment_of(push.queries[i].at);
+    uint key = push.queries[i].at.path;
+    LightSampler light_sampler = lights_along(segment);
+    vec3 sum = vec3(0.0);
+    vec3 low = vec3(0.0);
+    for (uint k = push.start_ray; k < push.end_ray; k++) {
+        uvec4 words = philox4x32(uvec4(key, k, push.pass, DOMAIN_SEGMENT), push.seed);
+        float share;
+        uint index = light_sampler_pick(push.scene, light_sampler, uvec2(words.x, 0u), share);
+        // Each ray has its own part of the segment.
+        precise float place = (float(k) + unit_f32(words.w)) / float(push.rays);
+        uint alpha = 0u;
+        if (RANDOM_SURFACES) alpha = philox4x32(uvec4(key, BLOCK_SEGMENTS + k, push.pass, DOMAIN_SEGMENT), push.seed).y;
+        two_add(sum, low, from_light(segment, index, words.yz, place, alpha) / share);
+    }
+    vec3 before = push.start_ray == 0 ? vec3(0.0) : push.values[i].at;
+    push.values[i].at = before + sum / float(push.rays);
+}

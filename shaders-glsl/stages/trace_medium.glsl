@@ -1,0 +1,90 @@
+// Photons in media that scatter light: included by trace.comp, whose Path and push constants it uses. Twin of
+// backend-cpu's trace/medium.rs.
+#ifndef TRACE_MEDIUM_GLSL
+#define TRACE_MEDIUM_GLSL
+
+#include "shading/flight.glsl"
+#include "shading/phase.glsl"
+
+// Bit of the blocks of aimed paths, whose numbers may be those of other paths.
+const uint AIMED_BLOCKS = AIMED ? 0x80000000u : 0u;
+
+vec3 along(Ray ray, float far) {
+    precise vec3 point = ray.origin + ray.direction * far;
+    return point;
+}
+
+uvec4 medium_words(Sampler s, uint domain, uint block) {
+    return philox4x32(uvec4(s.path, block, s.pass, domain), s.key);
+}
+
+// Leaves the photons of a stretch of length `end` in the medium with this index: several where the light may be focused.
+void deposit(inout Path path, uint index, float end) {
+    uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
+    if ((WANTED >> map & 1u) == 0u) return;
+    Medium medium = push.scene.media[index].at;
+    uint count = path.specular_only ? FLIGHT_FOCUSED_DEPOSITS : 1u;
+    uint first = stored_in(path.stored, map);
+    uvec4 words = medium_words(path.numbers, DOMAIN_DEPOSIT, path.bounce + path.collisions + AIMED_BLOCKS);
+    float channel = unit_f32(words.x), start = unit_f32(words.y);
+    for (uint number = 0u; number < count; ++number) {
+        uint place = counter_take(push.place);
+        if (place >= push.places) continue;
+        precise float at = (float(number) + start) / float(count);
+        Photon photon;
+        vec3 power;
+        photon.position = along(path.ray, flight_deposit(medium, path.power, end, count, channel, at, power));
+        photon.direction = octahedral_pack(-path.ray.direction);
+        photon.power = power;
+        photon.normal = index;
+        push.photons[place].at = photon;
+        push.owners[place].at = uvec2(path.index, (first + number) << MAP_BITS | map);
+    }
+    [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? count : 0u;
+}
+
+// How a path crosses a stretch: it reaches the end, or has been scattered and goes on along another ray, or ends.
+const uint CROSSING_PASSES = 0u;
+const uint CROSSING_COLLIDES = 1u;
+const uint CROSSING_ABSORBED = 2u;
+
+// Crosses a stretch of length `end` in a stack of media, whose current medium scatters light. Aimed paths never collide: the
+// power of those that would is left out.
+uint cross_medium(inout Path path, uint media, float end) {
+    uint index = media_current(push.scene, media);
+    Medium medium = push.scene.media[index].at;
+    uint event = path.bounce + path.collisions;
+    // Shadow rays find light that comes straight from a light source.
+    if (IN_MEDIA && event > 0u) deposit(path, index, end);
+    if (AIMED) {
+        path.power = photon_times(path.power, medium_transmittance(medium, end));
+        return CROSSING_PASSES;
+    }
+    uvec4 words = medium_words(path.numbers, DOMAIN_FLIGHT, 2u * event);
+    Flight flight = flight_sample(medium, path.power, end, unit_f32(words.x), unit_f32(words.y));
+    if (flight.collides && !(unit_f32(words.z) < flight.albedo)) return CROSSING_ABSORBED;
+    path.power = flight.power;
+    if (!flight.collides) return CROSSING_PASSES;
+    uvec4 turn = medium_words(path.numbers, DOMAIN_FLIGHT, 2u * event + 1u);
+    vec3 direction = phase_sample(medium.anisotropy, path.ray.direction, unit_f32(turn.x), unit_f32(turn.y));
+    path.ray = Ray(along(path.ray, flight.distance), direction, NO_LIMIT);
+    path.media = media;
+    path.specular_only = false;
+    ++path.collisions;
+    return CROSSING_COLLIDES;
+}
+
+// How a path that has collided ends there, or FATE_NONE.
+uint after_collision(uint collisions) { return collisions > FLIGHT_MAX_COLLISIONS ? FATE_TRUNCATED : FATE_NONE; }
+
+// How a path that meets no surface ends, or FATE_NONE if it collides before it is too far away.
+uint leave_scene(inout Path path) {
+    if (!medium_scatters(media_medium(push.scene, path.media))) return FATE_ESCAPED;
+    vec3 power = path.power;
+    uint crossing = cross_medium(path, path.media, FLIGHT_FAR);
+    if (crossing == CROSSING_COLLIDES) return after_collision(path.collisions);
+    path.power = power;
+    return crossing == CROSSING_ABSORBED ? FATE_ABSORBED : FATE_ESCAPED;
+}
+
+#endif

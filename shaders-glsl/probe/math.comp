@@ -22,6 +22,8 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         case 5u: return floats(vec4(exp_neg(a.x), 0.0, 0.0, 0.0), vec4(0.0));
         case 6u: return floats(vec4(math_ln(a.x), 0.0, 0.0, 0.0), vec4(0.0));
         case 7u: return floats(vec4(turns_of(a.x, a.y), 0.0, 0.0, 0.0), vec4(0.0));
+        case 9u: return floats(vec4(one_minus_exp(a.x), 0.0, 0.0, 0.0), vec4(0.0));
+        case 10u: return floats(vec4(minus_ln_one_minus(a.x), 0.0, 0.0, 0.0), vec4(0.0));
         default: return floats(vec4(cube_root(a.x), 0.0, 0.0, 0.0), vec4(0.0));
     }
 }

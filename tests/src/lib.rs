@@ -45,6 +45,7 @@ pub mod interreflection;
 pub mod lens;
 pub mod many_lights;
 pub mod media;
+pub mod media_equivalence;
 pub mod mirrors_and_glass;
 pub mod narrow_estimates;
 pub mod nesting;

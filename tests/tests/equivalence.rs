@@ -2,7 +2,7 @@
 
 use photon_tests::backends::{OnCpu, OnValidatedVulkan};
 use photon_tests::harness::TestBackend;
-use photon_tests::{equivalence, portals};
+use photon_tests::{equivalence, media_equivalence, portals};
 
 macro_rules! both {
     ($module:ident: $($name:ident),+ $(,)?) => {$(
@@ -26,5 +26,7 @@ both! {
     pictures_are_alike,
     alpha_is_the_same,
 }
+
+both! { media_equivalence: pictures_of_fog_are_alike }
 
 both! { portals: photons_leave_alike_through_portals }

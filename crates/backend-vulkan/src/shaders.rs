@@ -145,6 +145,10 @@ pub(crate) static PROBE_MEDIA: Module =
     Module { name: "probe_media", bytes: include_bytes!("../spirv/probe_media.spv") };
 
 #[cfg(test)]
+pub(crate) static PROBE_MEDIUM: Module =
+    Module { name: "probe_medium", bytes: include_bytes!("../spirv/probe_medium.spv") };
+
+#[cfg(test)]
 pub(crate) static PROBE_OCTAHEDRAL: Module =
     Module { name: "probe_octahedral", bytes: include_bytes!("../spirv/probe_octahedral.spv") };
 
@@ -351,7 +355,7 @@ pub(crate) static KERNELS: [&Module; 61] = [
 
 /// Those of tests and of the example.
 #[cfg(test)]
-pub(crate) static TEST_KERNELS: [&Module; 28] = [
+pub(crate) static TEST_KERNELS: [&Module; 29] = [
     &EXAMPLE_PHOTONS,
     &PROBE_ALPHA,
     &PROBE_AREA,
@@ -367,6 +371,7 @@ pub(crate) static TEST_KERNELS: [&Module; 28] = [
     &PROBE_MAPS,
     &PROBE_MATH,
     &PROBE_MEDIA,
+    &PROBE_MEDIUM,
     &PROBE_OCTAHEDRAL,
     &PROBE_OFFSET,
     &PROBE_PHOTON_FORMAT,

@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 use photon_core::glam::Vec3;
 use photon_core::random::unit_f32;
 use photon_core::{
-    Material, MaterialKind, MediaFeatures, Medium, MediumStack, Spectrum, SpectrumCell, Wavelength, interface, math,
-    radiance_scale,
+    Material, MaterialKind, MediaFeatures, Medium, MediumStack, Spectrum, SpectrumCell, Wavelength, flight, interface,
+    math, radiance_scale,
 };
 
 use super::compare::Bound;
@@ -28,6 +28,7 @@ static MEDIA: LazyLock<Vec<Medium>> = LazyLock::new(|| {
         priority: index % 3,
         dispersion: index % 3,
         terms: if index % 3 == 2 { BK7 } else { [1.5, 0.01 * index as f32, 0.0, 0.0, 0.0, 0.0] },
+        scattering: [0.25 * index as f32, 0.0, 0.3],
         ..Medium::VACUUM
     };
     [Medium::VACUUM].into_iter().chain((1..8).map(medium)).collect()
@@ -58,7 +59,7 @@ pub(super) fn rows() -> Vec<Row> {
         row("media_disperse", 7, Bound::Relative(1e-6), |i| dispersed(i, i.0[8])),
         row("transmittance", 5, Bound::Bits, |i| {
             let medium = MEDIA[stack(i).current(&MEDIA) as usize];
-            output(medium.absorption.map(|sigma| math::exp_neg(sigma * i.float(3))))
+            output(flight::transmittance(&medium, i.float(3)).to_array())
         }),
         row("media_interface, separate", 2, Bound::Words, |i| sides(i, false)),
     ]

@@ -21,6 +21,7 @@ mod light_tree_limits;
 mod listed;
 mod maps;
 mod media;
+mod medium;
 mod narrow;
 mod narrow_lobes;
 pub(crate) mod parameters;
@@ -62,7 +63,7 @@ type Output = [u32; 8];
 parameters! {
     struct Push =>
         PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSS_CAUSTICS PROBE_GLOSSY
-        PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_MEDIA PROBE_OCTAHEDRAL PROBE_OFFSET
+        PROBE_KERNEL PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_MEDIA PROBE_MEDIUM PROBE_OCTAHEDRAL PROBE_OFFSET
         PROBE_PHOTON_FORMAT PROBE_PROJECTION PROBE_RANDOM PROBE_ROUGH_GLASS PROBE_SAMPLING PROBE_SHADE
         PROBE_SHADING_NORMAL PROBE_SHADOW_TERMINATOR PROBE_SOLID_ANGLE PROBE_TEXTURE PROBE_TRIANGLE
     {
@@ -75,7 +76,7 @@ parameters! {
 
 specialized!(
     probe_constants: ProbeConstants => PROBE_ALPHA PROBE_AREA PROBE_BIAS PROBE_BSDF PROBE_ENVIRONMENT PROBE_GLOSS_CAUSTICS PROBE_GLOSSY PROBE_KERNEL
-        PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
+        PROBE_LIGHT_SAMPLER PROBE_LIGHT_TREE PROBE_MATH PROBE_MEDIUM PROBE_OCTAHEDRAL PROBE_OFFSET PROBE_PHOTON_FORMAT
         PROBE_PROJECTION PROBE_RANDOM PROBE_ROUGH_GLASS
         PROBE_SAMPLING PROBE_SHADE PROBE_SHADING_NORMAL PROBE_SHADOW_TERMINATOR PROBE_SOLID_ANGLE PROBE_TEXTURE
         PROBE_TRIANGLE,
@@ -153,8 +154,17 @@ fn all_rows() -> Vec<Row> {
         [texture::rows(), shading_normal::rows(), shade::rows(), environment::rows(), glossy::rows(), alpha::rows()]
             .concat();
     let shading = [shading, shadow_terminator::rows(), narrow::rows(), narrow_lobes::rows()].concat();
-    [table::rows(), light_sampler::rows(), light_tree::rows(), media::rows(), projection::rows(), shading, single]
-        .concat()
+    [
+        table::rows(),
+        light_sampler::rows(),
+        light_tree::rows(),
+        media::rows(),
+        medium::rows(),
+        projection::rows(),
+        shading,
+        single,
+    ]
+    .concat()
 }
 
 /// Checks every row of the table and reports all that fail.

@@ -110,6 +110,15 @@ fn math_rows(row: Make) -> Vec<Row> {
         ),
         // A division of the smaller by the larger.
         row("turns_of", module, 7, Bound::Relative(7e-7), angle, |i| output([math::turns_of(i.float(0), i.float(1))])),
+        row("one_minus_exp", module, 9, Bound::Bits, exponent, |i| output([math::one_minus_exp(i.float(0))])),
+        row(
+            "minus_ln_one_minus",
+            module,
+            10,
+            Bound::Bits,
+            |d| input([d.unit(), 0.0, 0.0, 0.0], Z, Z),
+            |i| output([math::minus_ln_one_minus(i.float(0))]),
+        ),
         // The last step, which corrects rounding errors, is relative to the residual of the cube: 2⁻²³ of it,
         // and less.
         row("cube_root", module, 8, Bound::BitsMagnified(slope_of_root), root, |i| {

@@ -1,0 +1,76 @@
+//! Media that scatter light, on two backends with the same seeds: pictures layer by layer, and what became of paths.
+
+use photon_core::glam::Vec3;
+use photon_core::{
+    Direct, Film, Indirect, Layer, Medium, PassEnd, Pipeline, Render as _, SceneView, Settings, Tally, View,
+};
+use photon_scene::{Scene, builtin};
+
+use crate::equivalence::share;
+use crate::harness::TestBackend;
+
+/// Coloured fog around solids, and a denser medium inside the first of them.
+fn media(scene: &Scene, anisotropy: f32) -> Vec<Medium> {
+    let mut media = scene.view().media.to_vec();
+    let fog = Medium { scattering: [0.6, 0.4, 0.2], absorption: [0.05, 0.1, 0.2], anisotropy, ..media[0] };
+    let inside = Medium { scattering: [4.0, 2.0, 1.0], absorption: [0.0, 0.3, 0.6], anisotropy: -0.3, ..media[1] };
+    (media[0], media[1]) = (fog, inside);
+    media
+}
+
+fn picture<T: TestBackend>(scene: &Scene, media: &[Medium], settings: &Settings) -> (Film, Tally) {
+    let view = View { camera: scene.camera(None, 32, 32).unwrap(), width: 32, height: 32 };
+    let scene = SceneView { media, ..scene.view() };
+    let mut renderer: Pipeline<T::On> = Pipeline::new(T::make(2), &scene, view, settings.clone()).unwrap();
+    let PassEnd::Done(report) = renderer.pass(0, &mut ()).unwrap() else { panic!("the pass ended early") };
+    (renderer.film().unwrap(), report.tally)
+}
+
+/// For each layer, the share of the pixels that differ by at most 1 % of the mean of the picture.
+fn alike(a: &Film, b: &Film) -> [f64; 4] {
+    let beauty = a.beauty();
+    let mean = beauty.iter().flatten().sum::<f32>() / (3 * beauty.len()) as f32;
+    Layer::ALL.map(|layer| {
+        let values = |film: &Film| -> Vec<Vec3> {
+            film.pixels.iter().map(|pixel| Vec3::from(pixel.layers[layer as usize].map(|c| c as f32))).collect()
+        };
+        share(&values(a), &values(b), |a, b| a.distance(*b) <= 0.01 * mean)
+    })
+}
+
+/// At least 99 % of the pixels of each layer are alike; counts of paths differ by at most one in 500. Fog of another phase
+/// function is not alike.
+pub fn pictures_of_fog_are_alike<A: TestBackend, B: TestBackend>() {
+    let shared = Settings { photons: 20_000, seed: 4, indirect: Indirect::Map, shadow_rays: 2, ..Settings::default() };
+    for (name, settings) in [
+        ("cornell-glass", shared.clone()),
+        ("cornell-glass", Settings { caustics: false, direct: Direct::Nee, ..shared.clone() }),
+        ("gloss", shared),
+    ] {
+        let scene = builtin(name).unwrap().build().unwrap();
+        let media = |anisotropy: f32| {
+            if scene.view().media.len() > 1 {
+                media(&scene, anisotropy)
+            } else {
+                vec![Medium { scattering: [0.4; 3], absorption: [0.1; 3], anisotropy, ..Medium::VACUUM }]
+            }
+        };
+        let (a, left) = picture::<A>(&scene, &media(0.5), &settings);
+        let (b, right) = picture::<B>(&scene, &media(0.5), &settings);
+        let shares = alike(&a, &b);
+        eprintln!("{name}: {shares:.4?} of the pixels, {left:?} {right:?}");
+        assert!(shares.iter().all(|&share| share >= 0.99), "{name}: {shares:?}");
+        assert!(left.balances() && right.balances() && left.emitted == right.emitted);
+        for (a, b) in [
+            (left.absorbed, right.absorbed),
+            (left.escaped, right.escaped),
+            (left.truncated, right.truncated),
+            (left.surfaces, right.surfaces),
+        ] {
+            assert!(a.abs_diff(b) <= a / 500 + 3, "{name}: {left:?} {right:?}");
+        }
+        let (other, _) = picture::<B>(&scene, &media(0.2), &settings);
+        let shares = alike(&a, &other);
+        assert!(shares[Layer::Direct as usize] < 0.9 && shares[Layer::Indirect as usize] < 0.95, "{name}: {shares:?}");
+    }
+}

@@ -44,7 +44,7 @@ void leave_segment(
         uint number = reservoir.count;
         precise float total = reservoir.total + weight;
         uint word = philox4x32(
-            uvec4(pixel << PATHS_LOG2, BLOCK_SEGMENTS + number, push.pass, DOMAIN_SEGMENT), push.seed).x;
+            uvec4(pixel << PATHS_LOG2, BLOCK_SEGMENTS + number, push.pass, DOMAIN_SEGMENT | push.domain & 0xFFFF0000u), push.seed).x;
         precise float at = unit_f32(word) * total;
         bool is_kept = weight > 0.0 && at < weight;
         reservoir.count = number + 1u;

@@ -38,6 +38,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     Values values;
     uvec2 seed;
     uint pass;
+    // DOMAIN_SEGMENT, and the camera sample in the upper half.
+    uint domain;
     uint rays;
     // First segment of this dispatch, and range of rays of each segment.
     uint start;
@@ -152,13 +154,13 @@ void main() {
     vec3 sum = vec3(0.0);
     vec3 low = vec3(0.0);
     for (uint k = push.start_ray; k < push.end_ray; k++) {
-        uvec4 words = philox4x32(uvec4(key, k, push.pass, DOMAIN_SEGMENT), push.seed);
+        uvec4 words = philox4x32(uvec4(key, k, push.pass, push.domain), push.seed);
         float share;
         uint index = light_sampler_pick(push.scene, light_sampler, uvec2(words.x, 0u), share);
         // Each ray has its own part of the segment.
         precise float place = (float(k) + unit_f32(words.w)) / float(push.rays);
         uint alpha = 0u;
-        if (RANDOM_SURFACES) alpha = philox4x32(uvec4(key, BLOCK_SEGMENTS + k, push.pass, DOMAIN_SEGMENT), push.seed).y;
+        if (RANDOM_SURFACES) alpha = philox4x32(uvec4(key, BLOCK_SEGMENTS + k, push.pass, push.domain), push.seed).y;
         two_add(sum, low, from_light(segment, index, words.yz, place, alpha) / share);
     }
     vec3 before = push.start_ray == 0 ? vec3(0.0) : push.values[i].at;

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use photon_core::random::Domain;
 use photon_core::{
     AimedStages, Announcement, Area, Backend, GlossCaustics, MediaFeatures, MediaStages, ProjectionMap, Query,
     Requirements, Result, SceneView, Settings, Stage, Stages, TransportBackend,
@@ -50,7 +51,11 @@ impl TransportBackend for Vulkan {
             emitter: Box::new(VulkanEmitter),
             tracer: Box::new(VulkanTracer::new(self, settings, PhotonPaths::new(settings))?),
             eye: Box::new(VulkanEye::new(self, settings, EyePaths::new(settings, required))?),
-            direct: if required.shadow_rays { Some(Box::new(VulkanDirect { kernel: direct::kernel })) } else { None },
+            direct: if required.shadow_rays {
+                Some(Box::new(VulkanDirect { kernel: direct::kernel, domain: Domain::Shadow }))
+            } else {
+                None
+            },
             gather: if required.final_gather {
                 let area = (settings.area == Area::Surface).then_some(VulkanArea);
                 let estimator = Box::new(VulkanEstimator::default());
@@ -77,7 +82,7 @@ impl TransportBackend for Vulkan {
                     tracer: Box::new(VulkanTracer::new(self, settings, paths.in_media())?),
                     aimed: Box::new(VulkanTracer::new(self, settings, aimed.in_media())?),
                     eye: Box::new(VulkanEye::new(self, settings, EyePaths::for_segments(required))?),
-                    direct: Box::new(VulkanDirect { kernel: medium_direct::kernel }),
+                    direct: Box::new(VulkanDirect { kernel: medium_direct::kernel, domain: Domain::Segment }),
                     estimator: Box::new(VulkanBeamEstimator::default()),
                 })
             } else {

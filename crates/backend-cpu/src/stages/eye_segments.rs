@@ -35,7 +35,8 @@ pub(super) fn limit(eye: &Eye<'_>, pixel: u32, segments: &mut Vec<Query>, first:
         let last = first + most - 1;
         let pass = eye.pass;
         let mut sampler =
-            Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Segment, pixel * QUERIES_PER_PIXEL);
+            Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Segment, pixel * QUERIES_PER_PIXEL)
+                .of_sample(pass.sample);
         let (mut total, mut kept) = (0.0, None);
         for (number, &candidate) in (0..).zip(&segments[last..]) {
             let weight = weight(eye, &candidate);

@@ -45,7 +45,8 @@ impl DirectLight<Cpu> for CpuMediumDirect {
 /// Radiance at the start of a segment: the mean over `rays` shadow rays.
 fn scattered(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3] {
     let segment = Segment::of(query);
-    let mut sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Segment, query.path);
+    let mut sampler =
+        Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Segment, query.path).of_sample(pass.sample);
     let lights = LightSampler::new(scene.lights.len(), |index| weight(scene, &scene.lights[index], &segment));
     let mut sum = [0.0; 3];
     for number in 0..rays {

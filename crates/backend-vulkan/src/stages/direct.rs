@@ -18,6 +18,8 @@ const GROUP: u32 = 128;
 pub(crate) struct VulkanDirect {
     /// The kernel for a scene.
     pub(crate) kernel: fn(&mut Vulkan, &SceneKind) -> ComputePipeline,
+    /// That of its random numbers.
+    pub(crate) domain: Domain,
 }
 
 parameters! {
@@ -79,7 +81,7 @@ impl DirectLight<Vulkan> for VulkanDirect {
                     values,
                     seed: pass.seed,
                     pass: pass.index,
-                    domain: Domain::Shadow as u32 | pass.sample << 16,
+                    domain: self.domain as u32 | pass.sample << 16,
                     rays: shadow_rays,
                     start: start as u32,
                     start_ray,

@@ -38,7 +38,7 @@ impl<B: TransportBackend> Pipeline<B> {
             return Ok(FIRST_RADIUS);
         };
         let Some(estimates) = &mut self.estimates else { return Ok(FIRST_RADIUS) };
-        let pass = Pass { seed: self.settings.seed, index: PILOT_PASS, random: self.settings.random };
+        let pass = Pass::new(&self.settings, PILOT_PASS);
         media.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, segments)?;
         let mut radius = FIRST_RADIUS;
         let mut found: Vec<Estimate> = Vec::new();

@@ -186,12 +186,14 @@ impl SceneBuilder {
     }
 
     /// Adds an even environment of radiance 1 if there are triangles and nothing emits light ([`Self::has_light`]), so that
-    /// a model by itself can be seen; a black environment that was described is kept. Returns whether it did.
+    /// a model by itself can be seen; a black environment that was described is kept, and none shines through an ambient medium.
+    /// Returns whether it did.
     ///
     /// # Errors
     /// As [`Self::environment_from`].
     pub fn light_if_dark(&mut self) -> Result<bool, SceneError> {
-        let is_dark = !self.has_light() && self.environment_text.is_none() && self.bounds().is_some();
+        let is_clear = self.medium.is_none_or(|medium| medium.is_vacuum());
+        let is_dark = !self.has_light() && self.environment_text.is_none() && self.bounds().is_some() && is_clear;
         if is_dark {
             self.environment_from(&EnvironmentDesc::constant([1.0; 3]))?;
         }

@@ -44,7 +44,8 @@ pub(super) fn note(builder: &SceneBuilder, report: &mut LoadReport) {
 fn is_specular(material: &MaterialDesc) -> bool {
     match material.surface {
         Surface::Mirror { .. } => true,
-        Surface::Dielectric { roughness, .. } => roughness * roughness < f64::from(ggx::MIN_ALPHA),
+        // An index of 1 refracts nothing.
+        Surface::Dielectric { roughness, ior, .. } => ior != 1.0 && roughness * roughness < f64::from(ggx::MIN_ALPHA),
         _ => is_smooth_metal(material),
     }
 }
@@ -90,6 +91,7 @@ mod tests {
         assert!(!noted(mirror(), 3, true));
         assert!(!noted(mirror(), 1, false));
         assert!(!noted(MaterialDesc::lambert("paint", [0.5; 3]), 3, false));
+        assert!(!noted(MaterialDesc::boundary("mist", [1.0; 3]), 3, false));
     }
 
     #[test]

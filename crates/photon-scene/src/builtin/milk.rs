@@ -2,7 +2,7 @@
 
 use super::add;
 use crate::builder::SceneBuilder;
-use crate::describe::{CameraDesc, MaterialDesc, Surface};
+use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Surface};
 use crate::shapes::{revolve, translate};
 
 /// Height of the glass, its outer radii at the foot and at the rim, and the thickness of its wall and of its bottom.
@@ -28,19 +28,26 @@ pub(super) fn milk() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let table = scene.material(MaterialDesc::lambert("table", [0.44, 0.27, 0.15]));
     let wall = scene.material(MaterialDesc::lambert("wall", [0.26, 0.36, 0.44]));
-    let lamp = scene.material(MaterialDesc::emissive("lamp", [0.0; 3], [42.0, 38.0, 32.0]));
+    let glow = scene.material(MaterialDesc::emissive("panel", [0.0; 3], [0.50, 0.52, 0.56]));
     let glass = scene.material(MaterialDesc::glass("glass", 1.5).with_priority(1));
     // Fat and protein absorb blue light most.
-    let milk = Surface::Dielectric { ior: 1.35, absorption: [0.1, 0.25, 0.9], tint: [1.0; 3], roughness: 0.0 };
-    let milk = scene.material(MaterialDesc::new("milk", milk).with_scattering([450.0; 3], 0.7));
+    let milk = Surface::Dielectric { ior: 1.35, absorption: [0.05, 0.15, 0.6], tint: [1.0; 3], roughness: 0.0 };
+    let milk = scene.material(MaterialDesc::new("milk", milk).with_scattering([220.0; 3], 0.7));
 
     let x = 0.34;
     scene.quad("table", [[-x, 0., 0.30], [x, 0., 0.30], [x, 0., -0.30], [-x, 0., -0.30]], table);
     scene.quad("wall", [[-x, 0., -0.30], [x, 0., -0.30], [x, 0.44, -0.30], [-x, 0.44, -0.30]], wall);
-    let (y, half) = (0.42, 0.07);
-    let [near, far] = [0.16, 0.16 - 2.0 * half];
-    let corners = [[-0.24, y, far], [-0.24 + 2.0 * half, y, far], [-0.24 + 2.0 * half, y, near], [-0.24, y, near]];
-    scene.quad("lamp", corners, lamp);
+    // Dim light from above, by which the room is seen.
+    let (y, half) = (0.40, 0.20);
+    scene.quad("panel", [[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]], glow);
+    let lamp = LightDesc::Spot {
+        position: [-0.22, 0.36, 0.20],
+        direction: [0.22, -0.30, -0.20],
+        intensity: [0.90, 0.82, 0.70],
+        inner_angle: 0.21,
+        outer_angle: 0.45,
+    };
+    scene.light("lamp", lamp);
 
     let inner = |height: f64| radius(height) - WALL;
     let profile = [

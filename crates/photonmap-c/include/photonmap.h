@@ -395,7 +395,37 @@ typedef struct PmMaterial {
    * Its numbers.
    */
   double dispersion_terms[6];
+  /**
+   * Scattering inside of a dielectric, 1/m, finite and at least 0: milk, wax; with an ior of 1, mist.
+   */
+  double scattering[3];
+  /**
+   * Mean cosine of that scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
+   */
+  double anisotropy;
 } PmMaterial;
+
+/**
+ * The medium around all solids, without bounds. Light from infinitely far away does not pass it.
+ */
+typedef struct PmMedium {
+  /**
+   * sizeof(PmMedium).
+   */
+  size_t size;
+  /**
+   * Scattering coefficient, 1/m, linear RGB, finite and at least 0.
+   */
+  double scattering[3];
+  /**
+   * Absorption coefficient, 1/m, linear RGB, finite and at least 0.
+   */
+  double absorption[3];
+  /**
+   * Mean cosine of scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
+   */
+  double anisotropy;
+} PmMedium;
 
 /**
  * Triangles of one material. Arrays are copied.
@@ -869,8 +899,13 @@ PmStatus pm_builder_environment(struct PmBuilder *builder,
                                 double scale);
 
 /**
- * Applies the text of an override file: an environment, lights and cameras, and changes of materials that were added
- * before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
+ * Sets the medium around all solids, and replaces that of before; without scattering and absorption there is none.
+ */
+PmStatus pm_builder_medium(struct PmBuilder *builder, const struct PmMedium *medium);
+
+/**
+ * Applies the text of an override file: an environment, a medium, lights and cameras, and changes of materials that were
+ * added before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
  */
 PmStatus pm_builder_overrides(struct PmBuilder *builder, const char *toml);
 

@@ -276,8 +276,8 @@ pub unsafe extern "C" fn pm_builder_medium(builder: *mut PmBuilder, medium: *con
     })
 }
 
-/// Applies the text of an override file: an environment, a medium, lights and cameras, and changes of materials that were added
-/// before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
+/// Applies the text of an override file: an environment, a medium, lights and cameras, and changes of materials that were
+/// added before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_builder_overrides(builder: *mut PmBuilder, toml: *const c_char) -> PmStatus {
     call(|| {

@@ -151,7 +151,7 @@ pub fn p14_endless_fog<T: TestBackend>() {
         let [direct, ..] = per_pass::<T>(&scene, &media, &settings, (16, 8), &[Layer::Direct]);
         assert_mean(&format!("{what}, once"), &direct, once, 2e-5);
         // Within the radius the light varies by the square of it: less than a hundredth of the curvature.
-        let [whole, ..] = per_pass::<T>(&scene, &media, &settings, (16, 8), &Layer::ALL);
+        let [whole, ..] = per_pass::<T>(&scene, &media, &settings, (16 * T::ONE_OF, 8), &Layer::ALL);
         assert_mean(&what, &whole, all, 3e-3);
     }
 }
@@ -175,7 +175,7 @@ pub fn p12_furnace<T: TestBackend>() {
     for (extinction, g) in [(1e-4, 0.0), (0.7, 0.0), (0.7, 0.8), (3.0, -0.5)] {
         let media = Fog::new(extinction, 1.0, g).at(&scene, 0);
         let settings = Settings { photons: 20_000, shadow_rays: 4, max_bounces: 200, ..fixed_radius(0.05) };
-        let [found, ..] = per_pass::<T>(&scene, &media, &settings, (12, 16), &Layer::ALL);
+        let [found, ..] = per_pass::<T>(&scene, &media, &settings, (12 * T::ONE_OF, 16), &Layer::ALL);
         // Estimates near the walls of the room lose light beyond them: surface areas correct those on walls; those around
         // segments lose less than the share of segments within a radius of a wall.
         assert_mean(&format!("furnace, σ = {extinction}, g = {g}"), &found, 2.0 * radiance, 1.5e-2);

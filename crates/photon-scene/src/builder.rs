@@ -10,7 +10,7 @@ use crate::mesh::{Mesh, VertexAttributes};
 use crate::portals::{self, PortalDesc};
 use crate::scene::Scene;
 use crate::texture::{TextureDesc, TextureId};
-use crate::{camera, contact, lights, normalise, order, shading, solids, validate};
+use crate::{camera, contact, lights, normalise, order, repeated, shading, solids, validate};
 use photon_core::{EnvironmentMap, Light, Primitive, Units, light_cdf, shown};
 use std::sync::Arc;
 
@@ -202,7 +202,7 @@ impl SceneBuilder {
 
     /// Validates everything and converts it to normalised space.
     ///
-    /// Triangles without area, and those that light passes unchanged, are dropped and counted. A scene without
+    /// Triangles without area, those that light passes unchanged, and those that repeat others are dropped and counted. A scene without
     /// triangles, or without any light, is not an error here.
     ///
     /// # Errors
@@ -230,6 +230,12 @@ impl SceneBuilder {
             scale: frame.scale,
         };
         contact::separate(touching, &mut geometry, &mut warnings);
+        let repeated = repeated::remove(&mut geometry, &self.materials);
+        if repeated > 0 {
+            warnings.push(format!(
+                "{repeated} triangles repeat others exactly, which rays meet instead, and were left out"
+            ));
+        }
         let radiances = shading::Radiances::new(source, &geometry);
         let lit = lights::table(
             lights::Sources { lights: &self.lights, sun: self.sun.as_ref(), environment: self.environment.as_ref() },

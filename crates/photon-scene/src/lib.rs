@@ -24,6 +24,7 @@ mod mesh;
 mod normalise;
 mod order;
 mod portals;
+mod repeated;
 mod report;
 #[cfg(feature = "files")]
 mod save;

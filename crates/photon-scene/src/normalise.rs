@@ -189,10 +189,12 @@ impl Geometry {
     pub(crate) fn remove(&mut self, triangles: &BTreeSet<u32>) -> Vec<u32> {
         let mut places = Vec::with_capacity(self.triangles.len());
         let (mut removed, mut kept) = (Vec::new(), 0);
+        let mut starts = Vec::with_capacity(self.mesh_starts.len());
         for mesh in 0..self.mesh_starts.len() {
             let first = self.dropped.partition_point(|at| at[0] < mesh as u32);
             let mut dropped = self.dropped[first..].iter().peekable();
             let mut source = 0;
+            starts.push(kept);
             for triangle in self.range(mesh) {
                 while dropped.next_if(|&&at| at == [mesh as u32, source]).is_some() {
                     source += 1;
@@ -212,9 +214,7 @@ impl Geometry {
             let mut index = 0..;
             items.retain(|_| index.next().is_some_and(&stays));
         }
-        for start in &mut self.mesh_starts {
-            *start -= triangles.range(..*start).count() as u32;
-        }
+        self.mesh_starts = starts;
         keep(&mut self.triangles, stays);
         keep(&mut self.primitives, stays);
         keep(&mut self.sources, stays);

@@ -143,7 +143,7 @@ impl Scene {
         source.and_then(|&source| self.mesh_names.get(source as usize)).map_or("", AsRef::as_ref)
     }
 
-    /// Number of triangles that were left out: those without area, and faces within one medium.
+    /// Number of triangles that were left out: those without area, faces within one medium, and those that repeat others.
     #[must_use]
     pub fn dropped_triangles(&self) -> u64 {
         self.dropped.len() as u64
@@ -198,7 +198,8 @@ mod tests {
         scene.mesh("a", corners.clone(), vec![flat, good, flat, flat, other, flat], white);
         scene.mesh("invisible", corners.clone(), vec![good], air);
         scene.mesh("none", corners.clone(), vec![flat, flat], white);
-        scene.mesh("b", corners, vec![good, flat, other], white);
+        let above = corners.iter().map(|&[x, y, z]| [x, y, z + 0.5]).collect();
+        scene.mesh("b", above, vec![good, flat, other], white);
         let scene = scene.build().unwrap();
         let sources: Vec<_> = scene.triangle_sources().collect();
         assert_eq!(sources, [(0, 1), (0, 4), (3, 0), (3, 2)]);

@@ -100,7 +100,7 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
     let begun = Instant::now();
     let mut file = File { path: root, info, args, begun, written: begun, maker: &maker };
     let identity = (settings.seed, settings.errors);
-    let stop = signals::stop()?;
+    let stop = signals::stop();
     let mut observer =
         |_: &Event<'_>| if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let outcome = render(world, &mut *renderer, &remaining, identity, film, &mut observer, &mut file)?;

@@ -144,7 +144,7 @@ impl File {
             self.is_whole = true;
             return Ok(());
         };
-        let text = format!("{}; rendering goes on", photonmap_cli::fault::chain(&why));
+        let text = format!("{}; rendering goes on", photon_image::fault::chain(&why));
         Python::attach(|py| warn(py, &text)).map_err(|error| {
             *raised = Some(error);
             Error::Cancelled

@@ -2,7 +2,7 @@
 
 use photonmap::film::FilmFileError;
 use photonmap::scene::SceneError;
-use photonmap_cli::fault::{Fault, chain};
+use photon_image::fault::{Fault, chain};
 use pyo3::PyTypeInfo;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

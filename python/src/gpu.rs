@@ -17,7 +17,7 @@ use crate::process;
 #[pyfunction]
 pub(crate) fn prefers_gpu() -> bool {
     static ANSWER: OnceLock<bool> = OnceLock::new();
-    *ANSWER.get_or_init(|| photonmap_cli::backend::prefers_gpu().is_ok()) && process::enter_gpu().is_ok()
+    *ANSWER.get_or_init(|| photonmap::vulkan::gpu::prefers_gpu().is_ok()) && process::enter_gpu().is_ok()
 }
 
 /// Opens a GPU by its index or a part of its name, which may be a software driver; without a name the preferred one, or that
@@ -25,7 +25,7 @@ pub(crate) fn prefers_gpu() -> bool {
 pub(crate) fn open(name: &str) -> Result<Vulkan, Failure> {
     process::enter_gpu()?;
     if name.is_empty() {
-        return photonmap_cli::backend::requested_gpu().map_err(|why| {
+        return photonmap::vulkan::gpu::requested_gpu().map_err(|why| {
             Failure::device(format!(
                 "no GPU can be used: {why}; install a Vulkan driver, use device=\"cpu\", or select a device by index or name, \
                  such as device=\"gpu:0\", which may be a software driver"
@@ -36,7 +36,7 @@ pub(crate) fn open(name: &str) -> Result<Vulkan, Failure> {
     options.disk_cache = true;
     options.device = Some(name.to_owned());
     Vulkan::with_options(&options).map_err(|error| {
-        let cause = photonmap_cli::fault::chain(&error);
+        let cause = photon_image::fault::chain(&error);
         Failure::device(format!("device=\"gpu:{name}\": {cause}; install a Vulkan driver, or use device=\"cpu\""))
     })
 }
@@ -48,7 +48,7 @@ pub(crate) fn open_all(names: &[String]) -> Result<Vec<Vulkan>, Failure> {
     if names != ["all"] {
         return names.iter().map(|name| open(name)).collect();
     }
-    let all = photonmap_cli::backend::gpus();
+    let all = photonmap::vulkan::gpu::gpus();
     let names = all.map_err(|why| Failure::device(format!("device=\"gpu:all\": {why}; use device=\"cpu\"")))?;
     names.iter().map(|name| open(name)).collect()
 }

@@ -227,7 +227,7 @@ impl Renderer {
         let key = FilmKey::new(&self.scene.view(), &self.view, &self.settings, &*renderers[0], grain);
         let mut info = FilmInfo::new(key, &self.name);
         let facts = renderers[0].facts();
-        let device = photonmap_cli::backend::names(renderers);
+        let device = photonmap::film::device_names(renderers);
         info.add_maker(&Maker::new(PROGRAM, facts.backend, &device, begun.elapsed().as_secs_f64()));
         info
     }

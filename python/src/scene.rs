@@ -5,12 +5,10 @@ use std::sync::Arc;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
-    AmbientMedium, CameraDesc, Dispersion, EnvironmentDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc,
-    MaterialId, Overrides, Projection, ReportKind, Scene, SceneBuilder, Sun, Surface, TextureDesc, TextureId, ThinLens,
-    VertexAttributes, builtin, builtin_names, load_builder_with,
+    AmbientMedium, CameraDesc, Dispersion, EnvironmentDesc, EnvironmentName, LightDesc, LoadOptions, LoadReport,
+    MaterialDesc, MaterialId, Overrides, Projection, ReportKind, Scene, SceneBuilder, Sun, Surface, TextureDesc,
+    TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with, summed_up,
 };
-use photonmap_cli::args::EnvironmentName;
-use photonmap_cli::summary::summed_up;
 use pyo3::prelude::*;
 
 use crate::error::Failure;

@@ -18,6 +18,7 @@ mod constants;
 mod device;
 mod dispatch_limits;
 mod film;
+pub mod gpu;
 mod index;
 pub mod low_level;
 mod map;

@@ -1,6 +1,6 @@
 //! `film.json`: what a film file contains and where it comes from.
 
-use photon_core::{Film, FilmTally, PassSet};
+use photon_core::{Film, FilmTally, PassSet, Render};
 use serde::{Deserialize, Serialize};
 
 use crate::key::FilmKey;
@@ -50,6 +50,17 @@ impl FilmInfo {
             Some(known) => known.seconds += maker.seconds,
             None => self.makers.push(maker.clone()),
         }
+    }
+}
+
+/// The devices of renderers, in words.
+#[must_use]
+pub fn device_names(renderers: &[Box<dyn Render>]) -> String {
+    let all: Vec<String> = renderers.iter().map(|renderer| renderer.facts().device).collect();
+    match all.as_slice() {
+        [device] => device.clone(),
+        [first, others @ ..] if others.iter().all(|other| other == first) => format!("{} × {first}", all.len()),
+        _ => all.join(", "),
     }
 }
 

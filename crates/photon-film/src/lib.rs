@@ -19,7 +19,7 @@ mod words;
 mod write;
 
 pub use error::{FilmFileError, shown};
-pub use header::{FORMAT, FilmInfo, Maker};
+pub use header::{FORMAT, FilmInfo, Maker, device_names};
 pub use key::FilmKey;
 pub use merge::merge;
 pub use read::{load, load_from, read_info};

@@ -32,6 +32,7 @@ mod scene;
 mod shading;
 pub mod shapes;
 mod solids;
+mod summary;
 mod texture;
 mod validate;
 
@@ -41,6 +42,8 @@ pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode,
 pub use describe::{
     AlphaMode, AmbientMedium, CameraDesc, Dispersion, LightDesc, MaterialDesc, Projection, Surface, ThinLens,
 };
+#[cfg(feature = "files")]
+pub use environment::EnvironmentName;
 pub use environment::{Environment, EnvironmentDesc, EnvironmentSource, Sun};
 pub use error::SceneError;
 #[cfg(feature = "files")]
@@ -53,4 +56,5 @@ pub use report::{LoadReport, ReportKind, ReportLine};
 #[cfg(feature = "files")]
 pub use save::glb;
 pub use scene::Scene;
+pub use summary::summed_up;
 pub use texture::{TextureDesc, TextureId, TextureRef, TexturesDesc};

@@ -4,10 +4,10 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use photonmap::scene::{
-    AmbientMedium, CameraDesc, Dispersion, LightDesc, LoadOptions, LoadReport, MaterialDesc, MaterialId, Overrides,
-    Projection, SceneBuilder, Surface, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with,
+    AmbientMedium, CameraDesc, Dispersion, EnvironmentName, LightDesc, LoadOptions, LoadReport, MaterialDesc,
+    MaterialId, Overrides, Projection, SceneBuilder, Surface, ThinLens, VertexAttributes, builtin, builtin_names,
+    load_builder_with,
 };
-use photonmap_cli::args::{EnvironmentArgs, EnvironmentName};
 
 use crate::describe::{
     PM_DISPERSION_ABBE, PM_DISPERSION_CAUCHY, PM_DISPERSION_NONE, PM_DISPERSION_SELLMEIER, PM_LIGHT_DIRECTIONAL,
@@ -251,15 +251,8 @@ pub unsafe extern "C" fn pm_builder_environment(
         let (builder, light) = unsafe { (pointer::exclusive(builder, "builder")?, pointer::text(light, "light")?) };
         let name = light.parse::<EnvironmentName>();
         let name = name.map_err(|why| Fault::argument(format!("light is {light:?}: {why}")))?;
-        let given = EnvironmentArgs {
-            environment: Some(name),
-            environment_rotate: rotate,
-            environment_scale: scale,
-            portals: Vec::new(),
-        };
-        if let Some(desc) = given.desc(&mut builder.report)? {
-            builder.scene.environment_from(&desc)?;
-        }
+        let desc = name.desc(&mut builder.report, &LoadOptions::default())?;
+        builder.scene.environment_from(&desc.rotated(rotate).scaled(scale))?;
         Ok(())
     })
 }

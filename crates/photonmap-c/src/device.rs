@@ -3,8 +3,7 @@
 use std::ffi::c_char;
 
 use photonmap::cpu::Cpu;
-use photonmap::vulkan::{Options, Vulkan};
-use photonmap_cli::backend;
+use photonmap::vulkan::{Options, Vulkan, gpu};
 
 use crate::caster::Caster;
 use crate::error::{Fault, PmStatus, Result, length};
@@ -57,11 +56,11 @@ fn gpu(name: &str, has_caster: bool) -> Result<Option<Vulkan>> {
     };
     match (name, name.strip_prefix("gpu:")) {
         ("cpu", _) => Ok(None),
-        ("auto", _) if has_caster || backend::prefers_gpu().is_err() => Ok(None),
+        ("auto", _) if has_caster || gpu::prefers_gpu().is_err() => Ok(None),
         ("gpu" | "vulkan", _) | (_, Some(_)) if has_caster => {
             Err(Fault::argument("a ray caster of the caller works with the backend \"cpu\" alone"))
         }
-        ("auto" | "gpu", _) => backend::requested_gpu().map(Some).map_err(missing),
+        ("auto" | "gpu", _) => gpu::requested_gpu().map(Some).map_err(missing),
         ("vulkan", _) => named(None),
         (_, Some(device)) if !device.is_empty() => named(Some(device)),
         _ => Err(Fault::argument(format!(
@@ -77,8 +76,8 @@ fn gpu(name: &str, has_caster: bool) -> Result<Option<Vulkan>> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_devices(text: *mut c_char, room: usize) -> usize {
     length(|| {
-        let missing = |error| Fault::from(error).with_status(PmStatus::NoDevice);
-        let lines = backend::list().map_err(missing)?.join("\n");
+        let missing = |why: String| Fault::new(PmStatus::NoDevice, why);
+        let lines = gpu::list().map_err(missing)?.join("\n");
         // SAFETY: the caller's buffer of `room` bytes.
         Ok(unsafe { pointer::copy_text(&lines, text, room) })
     })
@@ -112,8 +111,8 @@ mod tests {
         let mut text = [0; 4096];
         // SAFETY: a buffer of 4096 bytes.
         let length = unsafe { pm_devices(text.as_mut_ptr(), text.len()) };
-        assert_eq!(length, backend::list().map_or(0, |lines| lines.join("\n").len()));
-        let Ok(lines) = backend::list() else { return };
+        assert_eq!(length, gpu::list().map_or(0, |lines| lines.join("\n").len()));
+        let Ok(lines) = gpu::list() else { return };
         let bytes = text[..length].iter().map(|&byte| byte as u8).collect();
         assert_eq!(String::from_utf8(bytes).ok(), Some(lines.join("\n")));
     }

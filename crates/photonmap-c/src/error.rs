@@ -4,10 +4,10 @@ use std::cell::RefCell;
 use std::ffi::c_char;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use photon_image::fault::{Fault as Failure, chain};
 use photonmap::Error;
 use photonmap::film::FilmFileError;
 use photonmap::scene::SceneError;
-use photonmap_cli::fault::{Fault as Failure, chain};
 
 use crate::pointer;
 

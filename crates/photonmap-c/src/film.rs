@@ -3,12 +3,12 @@
 use std::ffi::c_char;
 use std::path::Path;
 
+use photon_image::denoise::Denoiser;
+use photon_image::png_file::Picture;
+use photon_image::tonemap::ToneMap;
+use photon_image::{exr_file, png_file};
 use photonmap::film::{self as files, FilmFileError, FilmInfo};
 use photonmap::{ConfidenceInterval, Film, Layer};
-use photonmap_cli::denoise::Denoiser;
-use photonmap_cli::png_file::Picture;
-use photonmap_cli::tonemap::ToneMap;
-use photonmap_cli::{exr_file, png_file};
 
 use crate::error::{Fault, PmStatus, Result, call, free};
 use crate::pointer;

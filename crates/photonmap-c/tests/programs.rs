@@ -5,9 +5,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use photon_image::exr_file;
 use photonmap::cpu::Cpu;
 use photonmap::{Film, Pipeline, Render, Settings, View, scene};
-use photonmap_cli::exr_file;
 
 const SANITIZERS: &str = "-fsanitize=address,undefined";
 

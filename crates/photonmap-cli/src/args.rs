@@ -18,7 +18,7 @@ mod tests;
 mod values;
 mod watch;
 
-pub use environment::{EnvironmentArgs, EnvironmentName};
+pub use environment::EnvironmentArgs;
 pub use film::FilmArgs;
 pub use groups::{BudgetArgs, EstimateArgs, LightArgs, MachineArgs, OutputArgs, PhotonArgs, PictureArgs, SceneArgs};
 pub use values::PassRange;

@@ -8,27 +8,19 @@
 pub mod stderr;
 
 pub mod args;
-pub mod atomic_write;
 pub mod backend;
 pub mod command;
-pub mod denoise;
-pub mod difference;
-pub mod exposure;
-pub mod exr_file;
 pub mod fault;
-pub mod flip;
 pub mod forecast_text;
 pub mod load;
 pub mod memory;
 pub mod mitsuba;
-pub mod npy;
 pub mod outputs;
-pub mod png_file;
 pub mod progress;
-pub mod relmse;
 pub mod report;
 pub mod signals;
 pub mod stdout;
 pub mod summary;
-pub mod tonemap;
 pub(crate) mod watch;
+
+pub use photon_image::{atomic_write, denoise, difference, exposure, exr_file, flip, npy, png_file, relmse, tonemap};

@@ -4,6 +4,7 @@ mod available;
 
 use std::collections::BTreeSet;
 
+pub use photon_image::fault::bytes_text as text;
 use photon_scene::Scene;
 
 /// Resident bytes now, if the system reports them (Linux).
@@ -63,15 +64,6 @@ pub fn texels(scene: &Scene) -> u64 {
     let mut seen = BTreeSet::new();
     let images = scene.view().shading.textures.iter();
     images.filter(|image| seen.insert(image.texels.as_ptr())).map(|image| size_of_val(&*image.texels) as u64).sum()
-}
-
-/// A size in the unit of [`parse`] that suits it, rounded up, so that it is enough.
-#[must_use]
-pub fn text(bytes: u64) -> String {
-    match bytes {
-        0..1_000_000 => bytes.to_string(),
-        _ => format!("{}MiB", bytes.div_ceil(1 << 20)),
-    }
 }
 
 /// Parses a size in bytes: `2GiB`, `500MB`, `1048576`.

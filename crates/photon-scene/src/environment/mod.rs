@@ -2,12 +2,17 @@
 
 #[cfg(feature = "files")]
 mod image;
+#[cfg(feature = "files")]
+mod name;
 #[cfg(feature = "sky")]
 mod sky;
 #[cfg(feature = "sky")]
 mod sun;
 #[cfg(all(test, feature = "sky"))]
 mod tests;
+
+#[cfg(feature = "files")]
+pub use name::EnvironmentName;
 
 use std::fmt;
 use std::sync::Arc;

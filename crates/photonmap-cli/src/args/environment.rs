@@ -1,10 +1,7 @@
 //! The options of the environment: light from infinitely far away.
 
-use std::path::PathBuf;
-use std::str::FromStr;
-
 use clap::Args;
-use photon_scene::{EnvironmentDesc, LoadOptions, LoadReport, SceneError};
+use photon_scene::{EnvironmentDesc, EnvironmentName, LoadOptions, LoadReport, SceneError};
 
 /// Light from infinitely far away.
 #[derive(Clone, Debug, Default, Args)]
@@ -35,7 +32,8 @@ pub struct EnvironmentArgs {
         default_value_t = 1.0,
         allow_negative_numbers = true,
         requires = "environment",
-        hide_short_help = true
+        hide_short_help = true,
+        hide_long_help = true
     )]
     pub environment_scale: f64,
     /// Name of a material or mesh whose triangles fill openings, such as windows, through which the light of the environment
@@ -43,45 +41,8 @@ pub struct EnvironmentArgs {
     ///
     /// Wherever portals are, the same light enters on average; in a room with small windows there is much less noise. Radii
     /// of estimates follow the photons, so that their bias changes: where photons are few, the mean by 1.7 % in one room.
-    #[arg(long = "portal", value_name = "NAME", hide_short_help = true)]
+    #[arg(long = "portal", value_name = "NAME", hide_short_help = true, hide_long_help = true)]
     pub portals: Vec<String>,
-}
-
-/// The value of `--environment`.
-#[derive(Clone, Debug, PartialEq)]
-pub enum EnvironmentName {
-    /// An image.
-    File(PathBuf),
-    /// The same radiance from all directions.
-    Constant([f64; 3]),
-    /// Elevation of the sun in degrees, and turbidity.
-    Sky(f64, f64),
-}
-
-impl FromStr for EnvironmentName {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers =
-            |list: &str| -> Option<Vec<f64>> { list.split(',').map(|part| part.trim().parse().ok()).collect() };
-        if text == "constant" {
-            return Ok(Self::Constant([1.0; 3]));
-        }
-        if let Some(list) = text.strip_prefix("constant:") {
-            return match numbers(list).as_deref() {
-                Some(&[r, g, b]) => Ok(Self::Constant([r, g, b])),
-                Some(&[grey]) => Ok(Self::Constant([grey; 3])),
-                _ => Err("give three numbers, such as constant:1,1,0.9, or one for all channels".to_owned()),
-            };
-        }
-        if text == "sky" || text.starts_with("sky:") {
-            return match text.strip_prefix("sky:").and_then(numbers).as_deref() {
-                Some(&[elevation, turbidity]) => Ok(Self::Sky(elevation, turbidity)),
-                _ => Err("give the elevation of the sun in degrees and the turbidity, such as sky:30,3".to_owned()),
-            };
-        }
-        Ok(Self::File(text.into()))
-    }
 }
 
 impl EnvironmentArgs {
@@ -103,11 +64,7 @@ impl EnvironmentArgs {
         options: &LoadOptions,
     ) -> Result<Option<EnvironmentDesc>, SceneError> {
         let Some(name) = &self.environment else { return Ok(None) };
-        let desc = match name {
-            EnvironmentName::File(path) => EnvironmentDesc::read_with(path, report, options)?,
-            EnvironmentName::Constant(radiance) => EnvironmentDesc::constant(*radiance),
-            EnvironmentName::Sky(elevation, turbidity) => EnvironmentDesc::sky(*elevation, *turbidity),
-        };
+        let desc = name.desc(report, options)?;
         Ok(Some(desc.rotated(self.environment_rotate).scaled(self.environment_scale)))
     }
 }

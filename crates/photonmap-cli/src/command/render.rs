@@ -66,7 +66,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     };
     let seconds_passes = ready.elapsed().as_secs_f64();
     let renderer = &*renderers[0];
-    let device = backend::names(&renderers);
+    let device = photon_film::device_names(&renderers);
     let grain = if render_blocks::in_blocks(args) {
         Some(render_blocks::blocks(args, &settings, settings.photons, renderers.len())?.grain())
     } else {

@@ -10,11 +10,11 @@ use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
 
 use crate::args::RenderArgs;
+use crate::atomic_write;
 use crate::command::{picture, render_blocks};
 use crate::fault::Fault;
 use crate::progress::Progress;
 use crate::watch::Watch;
-use crate::{atomic_write, backend};
 
 /// A render into a film file.
 pub(super) struct FilmOfRender {
@@ -42,7 +42,7 @@ pub(super) fn run(
     renderers: &mut [Box<dyn Render>],
     (watch, stop): (&mut Watch, &AtomicBool),
 ) -> Result<FilmOfRender, Fault> {
-    let device = backend::names(renderers);
+    let device = photon_film::device_names(renderers);
     let renderer = &mut *renderers[0];
     let facts = renderer.facts();
     render_blocks::check_memory(facts.photons, settings)?;

@@ -1,9 +1,8 @@
 //! Tone curves by name, for pictures of eight bits.
 
-use clap::ValueEnum;
-
 /// Tone curve that maps radiance to `[0, 1]`: [`photon_core::ToneMap`] as an option.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum ToneMap {
     /// Clamp at 1.
     None,

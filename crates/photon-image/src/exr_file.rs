@@ -110,7 +110,7 @@ pub fn read(path: &Path) -> std::result::Result<Picture, Fault> {
     let wrong = |what: String| Fault::input(format!("{}: {what}", path.display()));
     check_regular(path)?;
     let image = read_first_flat_layer_from_file(path)
-        .map_err(|why| wrong(format!("cannot be read as an OpenEXR picture: {why}")))?;
+        .map_err(|why| wrong(format!("cannot be read as an OpenEXR picture (.exr): {why}")))?;
     let layer = image.layer_data;
     let (width, height) = (layer.size.width(), layer.size.height());
     let channel = |name: &str| -> std::result::Result<Vec<f32>, Fault> {

@@ -7,6 +7,9 @@ const KEY: f64 = 0.18;
 /// Share of the pixels that is left out at either end.
 const TRIMMED: f64 = 0.1;
 
+/// Beyond so many stops, a factor is not a normal number of 32 bits.
+const MOST_STOPS: f32 = 126.0;
+
 /// The exposure of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
@@ -22,9 +25,10 @@ impl FromStr for Exposure {
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "auto" => Ok(Self::Auto),
-            number => {
-                number.parse().map(Self::Stops).map_err(|_| "give a number of stops such as -1.5, or auto".into())
-            }
+            number => match number.parse::<f32>() {
+                Ok(stops) if stops.abs() <= MOST_STOPS => Ok(Self::Stops(stops)),
+                _ => Err(format!("give a number of stops such as -1.5, from -{MOST_STOPS} to {MOST_STOPS}, or auto")),
+            },
         }
     }
 }
@@ -70,7 +74,10 @@ mod tests {
     fn names_and_numbers_are_read() {
         assert_eq!("auto".parse(), Ok(Exposure::Auto));
         assert_eq!("-1.5".parse(), Ok(Exposure::Stops(-1.5)));
-        assert!("bright".parse::<Exposure>().is_err());
+        assert_eq!("126".parse(), Ok(Exposure::Stops(126.0)));
+        for bad in ["bright", "nan", "inf", "126.5", "-1e9"] {
+            assert!(bad.parse::<Exposure>().unwrap_err().contains("-126 to 126"), "{bad}");
+        }
         assert_eq!(Exposure::Stops(2.0).stops(&[[1.0; 3]]), 2.0);
     }
 

@@ -13,6 +13,7 @@ mod environment;
 mod film;
 mod fixed;
 mod groups;
+pub mod set;
 #[cfg(test)]
 mod tests;
 mod values;
@@ -53,6 +54,15 @@ pub struct SettingsArgs {
     /// Direct and indirect light.
     #[command(flatten)]
     pub light: LightArgs,
+    /// Any further option, such as --set max-bounces=8; may be repeated.
+    ///
+    /// `photonmap man render` describes them: light-units, aperture, focus, share, total-photons, caustic-photons,
+    /// caustic-roughness, max-bounces, seed, rng, scheduling, estimator, k, radius, radius-factor, alpha, kernel,
+    /// area, bandwidth, max-plane-distance, index, paper-threshold, paper-factor, direct, camera-samples, shadow-rays, no-terminator-
+    /// offset, gather-rays, irradiance-every, environment-scale, portal, grain, preview, tev.
+    // The program replaces it by that option before arguments are parsed: `set::expanded`.
+    #[arg(long, value_name = "NAME[=VALUE]", hide_short_help = true, help_heading = "Further settings")]
+    pub set: Vec<String>,
 }
 
 /// Render a scene and write the picture.
@@ -110,7 +120,10 @@ impl SettingsArgs {
     /// # Errors
     /// [`Fault::Input`], which names the option with an invalid value.
     pub fn settings(&self) -> Result<Settings, Fault> {
-        let Self { picture, budget, photon, estimate, light } = self;
+        let Self { picture, budget, photon, estimate, light, set } = self;
+        if let Some(first) = set.first() {
+            return Err(Fault::input(format!("--set {first}: this program has no --set; give --{first}")));
+        }
         let estimator = self.estimator()?;
         let paper = matches!(estimator, Estimator::Paper(_));
         let pixels = u64::from(picture.size.0) * u64::from(picture.size.1);

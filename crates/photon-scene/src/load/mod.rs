@@ -98,6 +98,9 @@ fn conversion(extension: Option<&str>) -> &'static str {
         Some("usd" | "usda" | "usdc" | "usdz") => {
             "; import it in Blender, or use a USD converter, and export glTF 2.0 (.glb)"
         }
+        Some("exr" | "hdr" | "pic") => {
+            "; it is an image: as light from all around, give it by --environment beside a scene"
+        }
         Some("pbrt" | "xml") => "; scenes of other renderers are not read: export their meshes as PLY or glTF",
         _ => "",
     }

@@ -24,6 +24,6 @@ pub struct FilmArgs {
     ///
     /// Passes are added in order within each block, and blocks in order: the picture depends on the grain in its last bits. A film contains whole blocks, and the film of a job array is that of a single render, bit by bit, if each job renders
     /// one block.
-    #[arg(long, value_name = "N", hide_short_help = true)]
+    #[arg(long, value_name = "N", hide_short_help = true, hide_long_help = true)]
     pub grain: Option<u32>,
 }

@@ -1,6 +1,7 @@
 //! The options of `photonmap render` and `photonmap explain`, in the groups that `--help` shows.
 //!
-//! Options marked `hide_short_help` are listed only by `--help`; `-h` shows what a first picture needs.
+//! Options marked `hide_short_help` are listed only by `--help`; `-h` shows what a first picture needs. Those marked
+//! `hide_long_help`, too, are described in the manual page, and named by `--set`.
 
 use std::path::PathBuf;
 
@@ -32,7 +33,7 @@ pub struct SceneArgs {
     pub overrides: Option<PathBuf>,
     /// Units of the lights of a glTF file, other than surfaces: `standard` for cd and lux, as Blender exports by default
     /// (they are divided by 683 lm/W), or `unitless` for W/sr and W/m² [default: that of the override file, else unitless].
-    #[arg(long, value_name = "UNITS", value_parser = light_units(), hide_short_help = true)]
+    #[arg(long, value_name = "UNITS", value_parser = light_units(), hide_short_help = true, hide_long_help = true)]
     pub light_units: Option<LightUnits>,
     /// Light from infinitely far away.
     #[command(flatten)]
@@ -56,10 +57,24 @@ pub struct PictureArgs {
     ///
     /// What is not at the distance of --focus is blurred: at distance z to a disc of the diameter
     /// `DIAMETER · |z - DISTANCE| / DISTANCE`.
-    #[arg(long, value_name = "DIAMETER", requires = "focus", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "DIAMETER",
+        requires = "focus",
+        allow_negative_numbers = true,
+        hide_short_help = true,
+        hide_long_help = true
+    )]
     pub aperture: Option<f64>,
     /// Distance along the direction of view of the plane that is in focus, in units of the scene.
-    #[arg(long, value_name = "DISTANCE", requires = "aperture", allow_negative_numbers = true, hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "DISTANCE",
+        requires = "aperture",
+        allow_negative_numbers = true,
+        hide_short_help = true,
+        hide_long_help = true
+    )]
     pub focus: Option<f64>,
 }
 
@@ -126,10 +141,10 @@ pub struct BudgetArgs {
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     pub target_error: Option<f64>,
     /// Fraction of the pixels with an error estimate that must reach --target-error.
-    #[arg(long, value_name = "FRACTION", default_value_t = 0.95, hide_short_help = true)]
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.95, hide_short_help = true, hide_long_help = true)]
     pub share: f64,
     /// Total number of photon paths, in whole passes; the suffixes `k` and `M` are accepted.
-    #[arg(long, value_name = "N", value_parser = total, hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = total, hide_short_help = true, hide_long_help = true)]
     pub total_photons: Option<u64>,
     /// Estimate the error of each pixel: channels stderr, bias, claimed and flag of an EXR. Implied by
     /// --target-error.
@@ -147,25 +162,25 @@ pub struct PhotonArgs {
     pub photons: Option<u32>,
     /// Paths per pass aimed at mirrors and glass by a projection map, for caustics: a number, `auto`, or `shared` for
     /// no paths besides --photons [default: auto, with --estimator paper shared].
-    #[arg(long, value_name = "N", value_parser = caustic_photons, hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = caustic_photons, hide_short_help = true, hide_long_help = true)]
     pub caustic_photons: Option<CausticPhotons>,
     /// Reflections at least this rough (0 to 1) show caustics of area lights and environments from photons, instead of by
     /// chance [default: none do; those of point, spot and directional lights are always from photons].
-    #[arg(long, value_name = "R", hide_short_help = true)]
+    #[arg(long, value_name = "R", hide_short_help = true, hide_long_help = true)]
     pub caustic_roughness: Option<f32>,
     /// Maximum length of a path, in surface hits [default: 1024].
-    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true, hide_long_help = true)]
     pub max_bounces: Option<u32>,
     /// Seed of all random numbers: the same seed gives the same picture.
-    #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true, hide_long_help = true)]
     pub seed: u64,
     /// Random number generator of photons: counter-based, the linear congruential generator of Lin and Wang 2010, or
     /// the Sobol sequence [default: counter, with --estimator paper lcg].
-    #[arg(long, value_parser = choice::<RandomKind>(RandomKind::ALL.map(RandomKind::name)), hide_short_help = true)]
+    #[arg(long, value_parser = choice::<RandomKind>(RandomKind::ALL.map(RandomKind::name)), hide_short_help = true, hide_long_help = true)]
     pub rng: Option<RandomKind>,
     /// How paths are scheduled on threads: static quotas, or a shared counter (dynamic); the picture is the same
     /// [default: dynamic, with --estimator paper static].
-    #[arg(long, alias = "sharing", value_parser = choice::<Scheduling>(Scheduling::ALL.map(Scheduling::name)), hide_short_help = true)]
+    #[arg(long, alias = "sharing", value_parser = choice::<Scheduling>(Scheduling::ALL.map(Scheduling::name)), hide_short_help = true, hide_long_help = true)]
     pub scheduling: Option<Scheduling>,
 }
 
@@ -175,45 +190,45 @@ pub struct PhotonArgs {
 pub struct EstimateArgs {
     /// Radiance estimate: all photons within a radius that shrinks from pass to pass, the k nearest, or equation (2)
     /// of Lin and Wang 2010.
-    #[arg(long, default_value = "radius", value_parser = choice::<Estimator>(Estimator::NAMES), hide_short_help = true)]
+    #[arg(long, default_value = "radius", value_parser = choice::<Estimator>(Estimator::NAMES), hide_short_help = true, hide_long_help = true)]
     pub estimator: Estimator,
     /// Photons per estimate, for knn and paper [default: 50, paper 200].
-    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true, hide_long_help = true)]
     pub k: Option<u32>,
     /// Search radius of the first pass, in the scene's unit of length [default: from the photon density].
-    #[arg(long, value_name = "R", hide_short_help = true)]
+    #[arg(long, value_name = "R", hide_short_help = true, hide_long_help = true)]
     pub radius: Option<f64>,
     /// Factor on derived radii: below 1 for sharper caustics, above 1 for smoother light [default: 1].
-    #[arg(long, value_name = "F", hide_short_help = true)]
+    #[arg(long, value_name = "F", hide_short_help = true, hide_long_help = true)]
     pub radius_factor: Option<f64>,
     /// How fast radii shrink from pass to pass, above 0 and at most 1; 1 keeps them constant [default: 2/3].
-    #[arg(long, value_name = "ALPHA", hide_short_help = true)]
+    #[arg(long, value_name = "ALPHA", hide_short_help = true, hide_long_help = true)]
     pub alpha: Option<f64>,
     /// Weight by distance: constant, epanechnikov, cone, cone:SLOPE or biweight
     /// [default: epanechnikov, with --estimator paper constant].
-    #[arg(long, value_name = "NAME", value_parser = str::parse::<Kernel>, hide_short_help = true)]
+    #[arg(long, value_name = "NAME", value_parser = str::parse::<Kernel>, hide_short_help = true, hide_long_help = true)]
     pub kernel: Option<Kernel>,
     /// Area that the flux is divided by: the disc around the point, or the part of it that lies on the surface, which
     /// removes dark edges [default: surface; disc with --preset preview or --estimator paper].
-    #[arg(long, value_parser = choice::<Area>(Area::ALL.map(Area::name)), hide_short_help = true)]
+    #[arg(long, value_parser = choice::<Area>(Area::ALL.map(Area::name)), hide_short_help = true, hide_long_help = true)]
     pub area: Option<Area>,
     /// One radius for each photon map, or one for each pixel from its own noise and bias, which also estimates errors
     /// [default: shared, or that of --preset or --time].
-    #[arg(long, value_parser = choice::<Bandwidth>(Bandwidth::ALL.map(Bandwidth::name)), hide_short_help = true)]
+    #[arg(long, value_parser = choice::<Bandwidth>(Bandwidth::ALL.map(Bandwidth::name)), hide_short_help = true, hide_long_help = true)]
     pub bandwidth: Option<Bandwidth>,
     /// Largest distance of a photon from the tangent plane, in radii; values below 1 keep light from leaking through
     /// thin walls [default: 1].
-    #[arg(long, value_name = "F", hide_short_help = true)]
+    #[arg(long, value_name = "F", hide_short_help = true, hide_long_help = true)]
     pub max_plane_distance: Option<f32>,
     /// Data structure of the photon map: left-balanced kd-tree, kd-tree by the Voxel Volume Heuristic, or Morton
     /// order [default: morton, with --estimator paper median].
-    #[arg(long, value_parser = choice::<IndexKind>(IndexKind::ALL.map(IndexKind::name)), hide_short_help = true)]
+    #[arg(long, value_parser = choice::<IndexKind>(IndexKind::ALL.map(IndexKind::name)), hide_short_help = true, hide_long_help = true)]
     pub index: Option<IndexKind>,
     /// With --estimator paper: minimum number of photons of an estimate.
-    #[arg(long, value_name = "N", default_value_t = 8, hide_short_help = true)]
+    #[arg(long, value_name = "N", default_value_t = 8, hide_short_help = true, hide_long_help = true)]
     pub paper_threshold: u32,
     /// With --estimator paper: its free scale factor.
-    #[arg(long, value_name = "F", default_value_t = 1.0, hide_short_help = true)]
+    #[arg(long, value_name = "F", default_value_t = 1.0, hide_short_help = true, hide_long_help = true)]
     pub paper_factor: f32,
 }
 
@@ -222,27 +237,27 @@ pub struct EstimateArgs {
 #[command(next_help_heading = "Direct and indirect light")]
 pub struct LightArgs {
     /// Direct light: by shadow rays (next event estimation), from a photon map, or none.
-    #[arg(long, default_value = "nee", value_parser = choice::<Direct>(Direct::ALL.map(Direct::name)), hide_short_help = true)]
+    #[arg(long, default_value = "nee", value_parser = choice::<Direct>(Direct::ALL.map(Direct::name)), hide_short_help = true, hide_long_help = true)]
     pub direct: Direct,
     /// Indirect light: from the global photon map, by final gathering, or none [default: map].
     #[arg(long, value_parser = choice::<Indirect>(Indirect::ALL.map(Indirect::name)), hide_short_help = true)]
     pub indirect: Option<Indirect>,
     /// Camera paths with direct light per pixel and pass, up to 4096; photons are read for the first alone [default: 1].
-    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true, hide_long_help = true)]
     pub camera_samples: Option<u32>,
     /// Shadow rays per visible point and camera path [default: 2].
-    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true, hide_long_help = true)]
     pub shadow_rays: Option<u32>,
     /// Start shadow rays at the triangles of meshes with vertex normals, not outside the mesh.
     ///
     /// Coarse meshes then have a blocky edge of the shadow on their own dark side, as light by photons has.
-    #[arg(long, hide_short_help = true)]
+    #[arg(long, hide_short_help = true, hide_long_help = true)]
     pub no_terminator_offset: bool,
     /// Final-gather rays per visible point and pass [default: 16].
-    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true, hide_long_help = true)]
     pub gather_rays: Option<u32>,
     /// Precompute irradiance at every N-th photon, for final-gather rays to look up.
-    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole, hide_short_help = true, hide_long_help = true)]
     pub irradiance_every: Option<u32>,
 }
 

@@ -11,7 +11,7 @@ use clap::Args;
 #[command(next_help_heading = "Watching")]
 pub struct WatchArgs {
     /// Write the picture so far to this file, .png or .exr, again and again; it is replaced atomically.
-    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    #[arg(long, value_name = "FILE", hide_short_help = true, hide_long_help = true)]
     pub preview: Option<PathBuf>,
     /// Show the picture so far on a web page at this address; with port 0, any free port is used and printed.
     ///
@@ -20,7 +20,7 @@ pub struct WatchArgs {
     #[arg(long, value_name = "[HOST:]PORT")]
     pub serve: Option<ServeAddress>,
     /// Show the picture so far and its layers in the viewer tev, which has to run there already.
-    #[arg(long, value_name = "HOST[:PORT]", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:14158", hide_short_help = true)]
+    #[arg(long, value_name = "HOST[:PORT]", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:14158", hide_short_help = true, hide_long_help = true)]
     pub tev: Option<String>,
     /// Show the picture so far in the terminal, which needs to support colours of 24 bits.
     #[arg(long, hide_short_help = true)]

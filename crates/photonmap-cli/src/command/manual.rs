@@ -52,8 +52,8 @@ pub fn man(args: &ManArgs) -> Result<(), Fault> {
         }
         None => cli,
     };
-    // The manual describes all options, including those hidden from `-h`.
-    let command = command.mut_args(|argument| argument.hide_short_help(false));
+    // The manual describes all options, including those that help does not list.
+    let command = command.mut_args(|argument| argument.hide_short_help(false).hide_long_help(false));
     let mut page = Vec::new();
     clap_mangen::Man::new(command).render(&mut page).map_err(Fault::failure)?;
     stdout::write(&page)

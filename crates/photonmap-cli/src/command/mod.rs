@@ -25,7 +25,7 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
-use crate::args::{ExplainArgs, RenderArgs};
+use crate::args::{ExplainArgs, RenderArgs, set};
 use crate::fault::{self, Fault};
 use crate::signals;
 
@@ -74,7 +74,7 @@ enum Command {
 #[must_use]
 pub fn main() -> ExitCode {
     signals::ignore_file_size_limit();
-    match Cli::try_parse() {
+    match Cli::try_parse_from(set::expanded(std::env::args_os())) {
         Ok(cli) => fault::run(|| run(&cli.command)),
         Err(error) => {
             // Help goes to standard output; nobody need read it.
@@ -178,16 +178,46 @@ mod tests {
         assert_eq!(of(&["render", "--nonsense"]), "");
     }
 
-    /// `-h` is for a first picture: it fits on a screen, and `--help` lists everything.
+    /// `-h` is for a first picture, `--help` for most others; `--set` names the rest, and the manual page describes it.
     #[test]
-    fn the_short_help_is_short() {
+    fn the_help_is_short() {
         let mut command = Cli::command();
         let render = command.find_subcommand_mut("render").unwrap();
         let (short, long) = (render.render_help().to_string(), render.render_long_help().to_string());
-        assert!(short.lines().count() <= 40, "{short}");
-        assert!(!short.contains("--paper-factor") && long.contains("--paper-factor"));
-        for heading in ["Scene:", "Output:", "Photons:", "Density estimation:", "Machine:"] {
+        let options =
+            |text: &str| text.lines().filter(|line| line.starts_with("      --") || line.starts_with("  -")).count();
+        // With --help and --version.
+        assert!(options(&short) <= 15 && short.lines().count() <= 40, "{short}");
+        assert!((20..=30).contains(&options(&long)), "{}: {long}", options(&long));
+        for heading in ["Scene:", "Output:", "Photons:", "Machine:", "Further settings:"] {
             assert!(long.contains(heading), "{heading}: {long}");
         }
+        let set = render.get_arguments().find(|argument| argument.get_id() == "set").unwrap();
+        let rest = set.get_long_help().unwrap().to_string();
+        for argument in render.get_arguments().filter(|argument| argument.is_hide_long_help_set()) {
+            let name = argument.get_long().unwrap();
+            assert!(rest.split([' ', ',', '.']).any(|word| word == name), "{name}: {rest}");
+        }
+        assert!(!short.contains("--paper-factor") && !long.contains("--paper-factor"));
+        assert!(rest.contains("paper-factor"));
+    }
+
+    #[test]
+    fn settings_are_set_by_name() {
+        let parsed = |arguments: &[&str]| {
+            let arguments = arguments.iter().map(std::ffi::OsString::from);
+            Cli::try_parse_from(set::expanded(arguments)).map(|cli| match cli.command {
+                Command::Render(args) => format!("{args:?}"),
+                other => format!("{other:?}"),
+            })
+        };
+        let set =
+            parsed(&["photonmap", "render", "cornell", "--set", "gather-rays=3", "--set", "no-terminator-offset"]);
+        let given = parsed(&["photonmap", "render", "cornell", "--gather-rays", "3", "--no-terminator-offset"]);
+        assert_eq!(set.unwrap(), given.unwrap());
+        assert!(
+            parsed(&["photonmap", "render", "--set", "nonsense=1"]).unwrap_err().to_string().contains("--nonsense")
+        );
+        assert!(parsed(&["photonmap", "render", "--set"]).is_err());
     }
 }

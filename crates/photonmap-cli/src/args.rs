@@ -58,8 +58,9 @@ pub struct SettingsArgs {
     ///
     /// `photonmap man render` describes them: light-units, aperture, focus, share, total-photons, caustic-photons,
     /// caustic-roughness, max-bounces, seed, rng, scheduling, estimator, k, radius, radius-factor, alpha, kernel,
-    /// area, bandwidth, max-plane-distance, index, paper-threshold, paper-factor, direct, camera-samples, shadow-rays, no-terminator-
-    /// offset, gather-rays, irradiance-every, environment-scale, portal, grain, preview, tev.
+    /// area, bandwidth, max-plane-distance, index, paper-threshold, paper-factor, direct, camera-samples,
+    /// shadow-rays, no-terminator-offset, gather-rays, irradiance-every, environment-scale, portal, grain, preview,
+    /// tev.
     // The program replaces it by that option before arguments are parsed: `set::expanded`.
     #[arg(long, value_name = "NAME[=VALUE]", hide_short_help = true, help_heading = "Further settings")]
     pub set: Vec<String>,

@@ -9,13 +9,11 @@ layout(local_size_x_id = 1) in;
 #include "film/film.glsl"
 #include "device/grid.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
+layout(push_constant, scalar) uniform Push {
     Planes pass;
     uint numbers;
     float samples;
-};
-
-layout(push_constant, scalar) uniform Push { Parameters push; };
+} push;
 
 void main() {
     uint i = thread();

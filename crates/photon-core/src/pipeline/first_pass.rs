@@ -63,24 +63,33 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok((pipeline, Some(Decision { settings: decided, first })))
     }
 
-    /// Renders a pass twice, with other random numbers, each into a film of its own: on a GPU a whole one, which takes milliseconds, but for rays of a query beyond a
+    /// Renders a pass three times, with other random numbers and with other ones of shadow rays alone, each into a film of its own: on a GPU a whole one, which takes milliseconds, but for rays of a query beyond a
     /// few; otherwise one of few pixels and paths. `None` if it shows no surface.
     fn first_pass(&mut self, is_whole: bool) -> Result<Option<FirstPass>> {
         let small = if is_whole { self.view } else { reduced(self.view, PIXELS) };
         let paths = if is_whole { WHOLE } else { 4 * PIXELS as u32 };
         // Paths that were asked for may be many, of which many more may be aimed.
         let paths = self.settings.photons.min(paths).min(self.paths_of(4.0 * f64::from(paths)));
-        let again = self.small_pass(small, paths, 1)?;
-        let small = self.small_pass(small, paths, 0)?;
-        let [camera_noise, map_noise] = noise(&small.film, &again.film, self.settings.direct);
+        let again = self.small_pass(small, paths, (1, 0))?;
+        let with_other_shadow_rays = self.small_pass(small, paths, (0, 1))?;
+        let small = self.small_pass(small, paths, (0, 0))?;
+        let [sampled, map_noise] = noise(&small.film, &again.film, self.settings.direct);
+        let [shadow_noise, _] = noise(&small.film, &with_other_shadow_rays.film, self.settings.direct);
+        let shadow_rays = f64::from(self.settings.shadow_rays);
         Ok(shares(&small.film).map(|shares| FirstPass {
-            camera_noise,
+            once_seconds: small.whole.total() - small.whole.shadow_rays - small.camera,
+            camera_seconds: small.camera,
+            shadow_ray_seconds: small.whole.shadow_rays / shadow_rays,
+            camera_noise: (sampled - shadow_noise).max(0.0),
+            shadow_noise: shadow_noise * small.shadow_rays,
             map_noise,
-            camera_sample_seconds: small.camera_sample,
             photon_seconds: small.whole.photons,
             other_seconds: small.whole.total() - small.whole.photons,
             gather_ray_seconds: small.gather_ray,
-            compile_seconds: self.setup.get(Stage::Compile) + again.compile + small.compile,
+            compile_seconds: self.setup.get(Stage::Compile)
+                + again.compile
+                + with_other_shadow_rays.compile
+                + small.compile,
             ..shares
         }))
     }

@@ -472,7 +472,7 @@ impl<B: TransportBackend> Pipeline<B> {
             self.on.timings()?;
             return Ok(PassEnd::Cancelled);
         }
-        let seen = self.look(index).and_then(|(queries, mut truncated)| {
+        let seen = self.look(index, 0).and_then(|(queries, mut truncated)| {
             let gathered = self.estimate(index, &sent, queries)?;
             truncated = self.other_samples(index)?.unwrap_or(truncated);
             Ok((queries, truncated + gathered))

@@ -16,8 +16,10 @@ pub(super) struct SmallPass {
     pub(super) film: Film,
     /// Expected seconds of a whole pass with one camera sample.
     pub(super) whole: Seconds,
-    /// Expected seconds of each further camera sample of the whole picture.
-    pub(super) camera_sample: f64,
+    /// Expected seconds of the camera paths of the whole picture.
+    pub(super) camera: f64,
+    /// Shadow rays of a query.
+    pub(super) shadow_rays: f64,
     /// Seconds of kernels that were compiled.
     pub(super) compile: f64,
     /// Expected seconds of one final-gather ray for each pixel: a ray and an estimate where it lands.
@@ -44,9 +46,10 @@ impl Seconds {
 }
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Renders pass `index` with `paths` paths and the pixels of `small` with random numbers of its own, into a film of its own. Photons that are
+    /// Renders pass `index` with `paths` paths and the pixels of `small` with random numbers of its own, into a film of its own;
+    /// shadow rays have those of camera sample `shadows`. Photons that are
     /// searched for in derived radii are as many for an estimate as in a whole pass.
-    pub(super) fn small_pass(&mut self, small: View, paths: u32, index: u32) -> Result<SmallPass> {
+    pub(super) fn small_pass(&mut self, small: View, paths: u32, (index, shadows): (u32, u32)) -> Result<SmallPass> {
         let (whole, settings) = (self.view, self.settings.clone());
         let count = |view: View| f64::from(view.width) * f64::from(view.height);
         let pixels = count(whole) / count(small);
@@ -65,7 +68,7 @@ impl<B: TransportBackend> Pipeline<B> {
             let wider = more.sqrt() as f32;
             self.maps.iter_mut().for_each(|slot| slot.radius = radii::scaled(slot.radius, wider));
         }
-        let rendered = self.rendered(paths, index);
+        let rendered = self.rendered(paths, index, shadows);
         self.maps.iter_mut().zip(before).for_each(|(slot, radius)| slot.radius = radius);
         (self.view, self.settings) = (whole, settings);
         std::mem::swap(&mut self.film, &mut film);
@@ -90,17 +93,18 @@ impl<B: TransportBackend> Pipeline<B> {
                 gather_rays: gathered * denser,
                 others: pixels * of(&[Stage::Eye, Stage::Film]) + if is_fixed { 0.0 } else { estimated },
             },
-            camera_sample: pixels * of(&[Stage::Eye]) + direct,
+            camera: pixels * of(&[Stage::Eye]),
+            shadow_rays: f64::from(shadow),
             compile: seconds.get(Stage::Compile),
             gather_ray: pixels * of(&[Stage::Eye, Stage::Estimate]),
         })
     }
 
     /// Pass `index` of so many paths into the present film.
-    fn rendered(&mut self, paths: u32, index: u32) -> Result<(Film, StageTimings)> {
+    fn rendered(&mut self, paths: u32, index: u32, shadows: u32) -> Result<(Film, StageTimings)> {
         self.on.timings()?;
         let sent = self.emit_and_trace(index, paths, &mut ())?;
-        let (queries, _) = self.look(index)?;
+        let (queries, _) = self.look(index, shadows)?;
         self.estimate(index, &sent, queries)?;
         self.on.end_pass(&mut self.film)?;
         let seconds = self.on.timings()?;

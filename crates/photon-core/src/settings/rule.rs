@@ -26,13 +26,13 @@ const CAUSTIC_PIXELS: f64 = 0.05;
 /// cost of more rays, then weighs less than the blotches of maps.
 const MOST_INDIRECT: f64 = 2.0 / 3.0;
 
-/// Shadow rays of a query where direct light exceeds indirect light: of its variance a quarter remains of that with two, and as they start
+/// Shadow rays of a query of a number of passes where direct light exceeds indirect light: of its variance a quarter remains of that with two, and as they start
 /// at one point, they take less time than as many camera paths.
 const SHADOW_RAYS: u32 = 8;
 
-/// Most camera samples of a pass. The photons of a pass of which they take as long as half a sample are then less than a hundredth of
-/// it, and a first picture is not late.
-const MOST_CAMERA_SAMPLES: f64 = 64.0;
+/// Most camera samples of a pass, and most shadow rays of a query: with as many, a pass takes hardly less time for each of them, and
+/// a first picture is not late.
+const MOST: f64 = 64.0;
 
 /// Least number of passes for final gathering: the noise of its rays falls with the number of passes, and is then below the
 /// blotches of a map, whose radii shrink slower.
@@ -103,11 +103,16 @@ pub struct FirstPass {
     pub photon_seconds: f64,
     /// The other seconds of such a pass.
     pub other_seconds: f64,
-    /// Expected seconds of each further camera sample of the whole picture: camera paths and shadow rays.
-    pub camera_sample_seconds: f64,
-    /// Relative variance of a pixel by the light that camera samples find, mean over the pixels that show a surface; it is that of
-    /// one sample.
+    /// Its seconds without camera paths and shadow rays.
+    pub once_seconds: f64,
+    /// Expected seconds of one camera path for each pixel, without shadow rays.
+    pub camera_seconds: f64,
+    /// Expected seconds of one shadow ray for each query.
+    pub shadow_ray_seconds: f64,
+    /// Relative variance of a pixel by the choice of a camera path, mean over the pixels that show a surface.
     pub camera_noise: f64,
+    /// The same by that of a shadow ray.
+    pub shadow_noise: f64,
     /// The same by the light that is read from the maps once in a pass.
     pub map_noise: f64,
     /// Expected seconds of one final-gather ray for each pixel: a ray and an estimate where it lands.
@@ -119,18 +124,33 @@ pub struct FirstPass {
 }
 
 impl FirstPass {
-    /// The number of camera samples n in a pass for the least variance in a time: a pass takes `a + n s` seconds and has the
-    /// variance `m + c/n`, whose product is least with `n² = a c / (s m)`. At most as many as let a few passes end in time.
-    fn camera_samples(&self) -> u32 {
-        let Self { camera_sample_seconds: sample, camera_noise, map_noise, .. } = *self;
-        let once = (self.photon_seconds + self.other_seconds - sample).max(0.0);
-        if !(camera_noise > 0.0 && sample > 0.0) {
-            return 1;
-        }
-        let best = (once * camera_noise / (sample * map_noise)).sqrt();
+    /// The numbers of camera samples n of a pass and shadow rays r of a query for the least variance in a time, where they are not
+    /// given.
+    ///
+    /// A pass takes `a + n (c + r s)` seconds and has the variance `m + (v + w/r)/n`, whose product is least with `r² = c w / (s v)`
+    /// and `n² = a (v + w/r) / ((c + r s) m)`. With n = 1, c and v are those of the whole pass without shadow rays. At most as
+    /// many samples as let a few passes end in time.
+    fn samples_and_rays(&self, samples: Option<u32>, rays: Option<u32>) -> (u32, u32) {
+        let Self { camera_seconds: camera, shadow_ray_seconds: ray, camera_noise, shadow_noise, map_noise, .. } = *self;
+        let once = self.once_seconds;
+        // NaN, if there is nothing to weigh: the least.
+        let number = |square: f64| square.sqrt().clamp(1.0, MOST).max(1.0).round() as u32;
+        let best_rays = |seconds: f64, noise: f64| match rays {
+            Some(rays) => rays,
+            None => number(seconds * shadow_noise / (ray * noise)),
+        };
+        let rays_of_sample = best_rays(camera, camera_noise);
+        let sample = camera + f64::from(rays_of_sample) * ray;
         let in_time = (self.seconds_left / f64::from(Preset::Preview.passes()) - once) / sample;
-        // NaN if there is no other work and no other noise.
-        if best.is_nan() { 1 } else { best.min(in_time).clamp(1.0, MOST_CAMERA_SAMPLES).round() as u32 }
+        let found = match samples {
+            Some(samples) => samples,
+            None => {
+                let noise = camera_noise + shadow_noise / f64::from(rays_of_sample);
+                number((once * noise / (sample * map_noise)).min(in_time.max(0.0).powi(2)))
+            }
+        };
+        let rays = if found > 1 { rays_of_sample } else { best_rays(once + camera, map_noise + camera_noise) };
+        (found, rays)
     }
 }
 
@@ -198,8 +218,9 @@ impl Settings {
 
     /// Settings by the facts of the first pass with [`Settings::for_first_pass`].
     ///
-    /// Radii are those of each pixel where caustics are visible, and on a GPU everywhere. Where direct light exceeds indirect light there are
-    /// more shadow rays. Within a time, camera samples are as many as remove most noise in it, final gathering is taken where indirect light dominates, if there is time enough for it and for
+    /// Radii are those of each pixel where caustics are visible, and on a GPU everywhere. For a number of passes, there are more shadow rays
+    /// where direct light exceeds indirect light. Within a time, camera samples and shadow rays are as many as remove most noise in it,
+    /// final gathering is taken where indirect light dominates, if there is time enough for it and for
     /// compiling its kernels, and paths are fewer if hardly a pass would fit. Decisions depend on shares of the light, but for the
     /// last three, which depend on seconds too.
     #[must_use]
@@ -209,10 +230,10 @@ impl Settings {
         if !fixed.bandwidth {
             settings.set_bandwidth(is_gpu || first.caustic_pixels >= CAUSTIC_PIXELS, self.errors);
         }
-        if !fixed.shadow_rays && settings.direct == Direct::Nee && first.direct > first.indirect {
-            settings.shadow_rays = settings.shadow_rays.max(SHADOW_RAYS);
-        }
         if within.seconds.is_none() {
+            if !fixed.shadow_rays && settings.direct == Direct::Nee && first.direct > first.indirect {
+                settings.shadow_rays = settings.shadow_rays.max(SHADOW_RAYS);
+            }
             return settings;
         }
         if !fixed.photons {
@@ -230,9 +251,12 @@ impl Settings {
         if !fixed.indirect && may && first.indirect >= MOST_INDIRECT && is_enough {
             settings.set_bandwidth(false, self.errors);
             settings.indirect = Indirect::Gather;
-        } else if !fixed.camera_samples && settings.indirect != Indirect::Gather {
-            settings.camera_samples = first.camera_samples();
         }
+        let has_many = !fixed.camera_samples && settings.indirect != Indirect::Gather;
+        let has_rays = !fixed.shadow_rays && settings.direct == Direct::Nee;
+        let samples = (!has_many).then_some(settings.camera_samples);
+        let rays = (!has_rays).then_some(settings.shadow_rays);
+        (settings.camera_samples, settings.shadow_rays) = first.samples_and_rays(samples, rays);
         settings
     }
 
@@ -304,29 +328,38 @@ mod tests {
     }
 
     #[test]
-    fn camera_samples_balance_time_and_noise() {
-        let samples = |once: f64, sample: f64, camera_noise, map_noise, seconds_left| {
-            let (photon_seconds, other_seconds) = (0.75 * once, 0.25 * once + sample);
-            let noise = FirstPass { camera_sample_seconds: sample, camera_noise, map_noise, ..FirstPass::default() };
-            let first = FirstPass { photon_seconds, other_seconds, seconds_left, ..noise };
-            let of = |within: &Circumstances| Settings::default().for_time(within, &first).camera_samples;
-            assert_eq!(of(&within(None, false, OPEN)), 1, "a number of passes has no time to save");
-            assert_eq!(of(&within(Some(9.0), false, Fixed { camera_samples: true, ..OPEN })), 1);
-            of(&within(Some(9.0), false, OPEN))
+    fn camera_samples_and_shadow_rays_balance_time_and_noise() {
+        let found = |first: FirstPass, fixed: Fixed| {
+            let of = |within: &Circumstances| {
+                let found = Settings { shadow_rays: 3, ..Settings::default() }.for_time(within, &first);
+                (found.camera_samples, found.shadow_rays)
+            };
+            assert_eq!(of(&within(None, false, OPEN)), (1, 3), "a number of passes has no time to save");
+            of(&within(Some(9.0), false, fixed))
         };
-        assert_eq!(samples(4.0, 1.0, 9.0, 1.0, 1e9), 6);
-        assert_eq!(samples(1.0, 1.0, 1.0, 1.0, 1e9), 1);
-        assert_eq!(samples(1.0, 4.0, 1.0, 9.0, 1e9), 1);
-        // All noise is of the camera, all of the maps, or there is none.
-        assert_eq!(samples(1.0, 1.0, 1.0, 0.0, 1e9), 64);
-        assert_eq!(samples(1.0, 1.0, 0.0, 1.0, 1e9), 1);
-        assert_eq!(samples(1.0, 1.0, 0.0, 0.0, 1e9), 1);
-        // Nothing is done once in a pass.
-        assert_eq!(samples(0.0, 1.0, 1.0, 0.0, 1e9), 1);
-        // In a short time, a preview's passes have to fit.
+        // Seconds of what is done once, of a camera path and of a shadow ray; noise of the three.
+        let first = |[once_seconds, camera_seconds, shadow_ray_seconds]: [f64; 3], [map, camera, shadow]: [f64; 3]| {
+            let noise =
+                FirstPass { map_noise: map, camera_noise: camera, shadow_noise: shadow, ..FirstPass::default() };
+            FirstPass { once_seconds, camera_seconds, shadow_ray_seconds, seconds_left: 1e9, ..noise }
+        };
+        let open = |seconds, noise| found(first(seconds, noise), OPEN);
+        // A sample has 4 rays and takes 8 s; its variance is 2.
+        assert_eq!(open([400.0, 4.0, 1.0], [1.0, 1.0, 4.0]), (10, 4));
+        let some = first([400.0, 4.0, 1.0], [1.0, 1.0, 4.0]);
+        assert_eq!(found(some, Fixed { camera_samples: true, ..OPEN }), (1, 28), "√(404 · 4 / 2)");
+        assert_eq!(found(some, Fixed { shadow_rays: true, ..OPEN }), (12, 3), "√(400 · 7/3 / 7)");
+        assert_eq!(found(some, Fixed { shadow_rays: true, camera_samples: true, ..OPEN }), (1, 3));
+        // One sample: all noise is of maps, or of what shadow rays find.
+        assert_eq!(open([9.0, 1.0, 1.0], [1.0, 0.0, 0.0]), (1, 1));
+        assert_eq!(open([9.0, 1.0, 1.0], [1.0, 0.0, 10.0]), (1, 10));
+        // Many: no noise is of maps; and as many as there is time for, in as many passes as of a preview.
+        assert_eq!(open([9.0, 1.0, 1.0], [0.0, 1.0, 0.0]), (64, 1));
         let passes = f64::from(Preset::Preview.passes());
-        assert_eq!(samples(4.0, 1.0, 900.0, 1.0, 10.0 * passes), 6);
-        assert_eq!(samples(4.0, 1.0, 900.0, 1.0, 0.0), 1);
+        let short = FirstPass { seconds_left: 19.0 * passes, ..first([9.0, 1.0, 1.0], [0.0, 1.0, 0.0]) };
+        assert_eq!(found(short, OPEN), (5, 1));
+        // Nothing at all.
+        assert_eq!(open([0.0; 3], [0.0; 3]), (1, 1));
     }
 
     #[test]

@@ -146,7 +146,7 @@ impl FirstPass {
             Some(samples) => samples,
             None => {
                 let noise = camera_noise + shadow_noise / f64::from(rays_of_sample);
-                number((once * noise / (sample * map_noise)).min(in_time.max(0.0).powi(2)))
+                number(once * noise / (sample * map_noise)).min(number(in_time.max(0.0).powi(2)))
             }
         };
         let rays = if found > 1 { rays_of_sample } else { best_rays(once + camera, map_noise + camera_noise) };

@@ -5,11 +5,10 @@ pub(crate) mod error_target;
 pub(crate) mod parallel_blocks;
 pub(crate) mod render;
 
-use std::ops::ControlFlow;
 use std::time::Duration;
 
 use crate::backend::memory::MemoryPlan;
-use crate::backend::observer::{Event, Observer, PassReport};
+use crate::backend::observer::Observer;
 use crate::backend::stages::{Stages, View};
 use crate::backend::{Stage, StageTimings, TransportBackend};
 use crate::error::{Error, Result};
@@ -25,7 +24,6 @@ use crate::radius::radii;
 use crate::radius::schedule::Schedule;
 use crate::requirements::Requirements;
 use crate::requirements::features::Features;
-use crate::requirements::map_kind::PerMap;
 use crate::requirements::map_place::MapPlace;
 use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
@@ -106,6 +104,7 @@ mod pilot;
 mod read;
 mod slot;
 mod small_pass;
+mod whole_pass;
 mod with_settings;
 
 use aimed::Aiming;
@@ -449,67 +448,5 @@ impl<B: TransportBackend> Render for Pipeline<B> {
             gather_rays: self.settings.gather_rays,
             memory: self.on.memory(&self.scene),
         }
-    }
-}
-
-impl<B: TransportBackend> Pipeline<B> {
-    fn whole_pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
-        if index == PILOT_PASS {
-            return Err(Error::InvalidSetting {
-                name: "pass",
-                value: index.to_string(),
-                hint: "passes are numbered from 0 to 2^32 - 2",
-            });
-        }
-        let this = PassSet::of(self.settings.seed, index..index + 1);
-        if let Some((seed, passes)) = self.contains.overlap(&this) {
-            return Err(Error::PassTwice { seed, passes });
-        }
-        let sent = self.emit_and_trace(index, self.settings.photons, observer)?;
-        // If the first pass is cut short, it is a valid pass with fewer photons; a later one is discarded,
-        // since the film is valid without it.
-        if sent.cut && self.passes > 0 {
-            self.on.timings()?;
-            return Ok(PassEnd::Cancelled);
-        }
-        let seen = self.look(index, 0).and_then(|(queries, mut truncated)| {
-            let gathered = self.estimate(index, &sent, queries)?;
-            truncated = self.other_samples(index)?.unwrap_or(truncated);
-            Ok((queries, truncated + gathered))
-        });
-        let (queries, truncated_camera_paths) = match seen {
-            Ok(seen) => seen,
-            Err(error) => {
-                // The contributions of earlier passes are kept.
-                self.on.abandon_pass(&mut self.film)?;
-                return Err(error);
-            }
-        };
-        self.on.mark(Some(Stage::Film));
-        self.on.end_pass(&mut self.film)?;
-        self.on.mark(None);
-        self.passes += 1;
-        self.contains.merge(&this)?;
-        self.cut |= sent.cut;
-        self.schedule.add(index);
-        self.update_own_radii()?;
-        let mut radius = PerMap::default();
-        for slot in self.maps.iter().filter(|slot| slot.place == MapPlace::Surface) {
-            let normalised = radii::gather(&self.settings, slot.radius, index).radius_scale;
-            radius[slot.kind] = Some(self.units.length_to_user(normalised));
-        }
-        let report = PassReport {
-            index,
-            paths: u64::from(sent.paths),
-            tally: sent.tally,
-            aimed: sent.aimed_tally,
-            truncated_camera_paths,
-            radius,
-            queries,
-            seconds: self.on.timings()?,
-        };
-        self.tally.add(&report);
-        let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || sent.stop;
-        Ok(if stop { PassEnd::Last(report) } else { PassEnd::Done(report) })
     }
 }

@@ -4,12 +4,35 @@ use super::{PILOT_PASS, PILOT_PATHS, Pipeline, aimed, irradiance};
 use crate::backend::TransportBackend;
 use crate::backend::memory::MemoryPlan;
 use crate::error::Result;
+use crate::requirements::map_place::MapPlace;
 use crate::scene::layout::Photon;
+use crate::shading::flight::{FOCUSED_DEPOSITS, MAX_COLLISIONS};
 
 /// Photons allocated per map for counting; those beyond the capacity are counted too.
 const COUNTED: u64 = 65_536;
 
 impl<B: TransportBackend> Pipeline<B> {
+    pub(super) fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
+        let paths = self.settings.photons.max(PILOT_PATHS);
+        let guess = (f64::from(paths) * photons_per_path) as u64 + 1024;
+        let aimed = self.aimed_paths(self.settings.photons).unwrap_or(0);
+        let bounces = u64::from(self.settings.max_bounces);
+        self.maps.iter_mut().try_for_each(|slot| {
+            // A larger requested capacity could never be filled.
+            let each = match slot.place {
+                MapPlace::Surface => bounces,
+                MapPlace::Reflection => 1,
+                MapPlace::Medium => u64::from(FOCUSED_DEPOSITS) * (bounces + u64::from(MAX_COLLISIONS)),
+            };
+            let most = u64::from(self.settings.photons.max(aimed)) * each;
+            let capacity = self.settings.photon_capacity.map_or(guess, |given| given.min(most));
+            // A path stores at most one photon for reflections.
+            let is_few = slot.place == MapPlace::Reflection;
+            let capacity = if is_few { capacity.min(u64::from(paths.max(aimed))) } else { capacity };
+            slot.allocate(&mut self.on, capacity, self.required.photon_format)
+        })
+    }
+
     /// Traces a few paths to count their photons, and sizes maps, batches and passes accordingly.
     pub(super) fn fit(&mut self, mut plan: MemoryPlan) -> Result<()> {
         let each = (plan.photons / (self.maps.len() as u64).max(1)).min(COUNTED);

@@ -324,21 +324,6 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(pipeline)
     }
 
-    fn allocate_maps(&mut self, photons_per_path: f64) -> Result<()> {
-        let paths = self.settings.photons.max(PILOT_PATHS);
-        let guess = (f64::from(paths) * photons_per_path) as u64 + 1024;
-        // At most one photon per surface met: a larger requested capacity could never be filled.
-        let aimed = self.aimed_paths(self.settings.photons).unwrap_or(0);
-        let most = u64::from(self.settings.photons.max(aimed)) * u64::from(self.settings.max_bounces);
-        let capacity = self.settings.photon_capacity.map_or(guess, |given| given.min(most));
-        self.maps.iter_mut().try_for_each(|slot| {
-            // A path stores at most one photon for reflections.
-            let reflects = slot.place == MapPlace::Reflection;
-            let capacity = if reflects { capacity.min(u64::from(paths.max(aimed))) } else { capacity };
-            slot.allocate(&mut self.on, capacity, self.required.photon_format)
-        })
-    }
-
     /// The backend that the pipeline runs on.
     #[must_use]
     pub fn backend(&self) -> &B {

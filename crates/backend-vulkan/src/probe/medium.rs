@@ -91,7 +91,7 @@ fn stretch(d: &mut Draw) -> Input {
     let [a, b, c, e, f, g] = [(); 6].map(|()| coefficient());
     let mut channel = || d.pick(&[0.0, 1.0, 1.0]) * d.magnitude(-6, 3);
     let [r, s, t] = [(); 3].map(|()| channel());
-    input([a.max(1e-6), b, c, end], [e, f, g, d.unit()], [r, s, t, d.unit()])
+    input([a.max(1e-6), b, c, end], [e, f, g, d.unit()], [r.max(1e-3), s, t, d.unit()])
 }
 
 /// A segment, and a point.

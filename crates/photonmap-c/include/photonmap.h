@@ -406,28 +406,6 @@ typedef struct PmMaterial {
 } PmMaterial;
 
 /**
- * The medium around all solids, without bounds. Light from infinitely far away does not pass it.
- */
-typedef struct PmMedium {
-  /**
-   * sizeof(PmMedium).
-   */
-  size_t size;
-  /**
-   * Scattering coefficient, 1/m, linear RGB, finite and at least 0.
-   */
-  double scattering[3];
-  /**
-   * Absorption coefficient, 1/m, linear RGB, finite and at least 0.
-   */
-  double absorption[3];
-  /**
-   * Mean cosine of scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
-   */
-  double anisotropy;
-} PmMedium;
-
-/**
  * Triangles of one material. Arrays are copied.
  */
 typedef struct PmMesh {
@@ -545,6 +523,28 @@ typedef struct PmCamera {
    */
   double focus_distance;
 } PmCamera;
+
+/**
+ * The medium around all solids, without bounds. Light from infinitely far away does not pass it.
+ */
+typedef struct PmMedium {
+  /**
+   * sizeof(PmMedium).
+   */
+  size_t size;
+  /**
+   * Scattering coefficient, 1/m, linear RGB, finite and at least 0.
+   */
+  double scattering[3];
+  /**
+   * Absorption coefficient, 1/m, linear RGB, finite and at least 0.
+   */
+  double absorption[3];
+  /**
+   * Mean cosine of scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
+   */
+  double anisotropy;
+} PmMedium;
 
 /**
  * The picture: its size and camera.
@@ -907,7 +907,8 @@ PmStatus pm_builder_medium(struct PmBuilder *builder, const struct PmMedium *med
  * Applies the text of an override file: an environment, a medium, lights and cameras, and changes of materials that were
  * added before, by name. Images are sought from the working directory. If it fails, the builder may have part of it.
  */
-PmStatus pm_builder_overrides(struct PmBuilder *builder, const char *toml);
+PmStatus pm_builder_overrides(struct PmBuilder *builder,
+                              const char *toml);
 
 /**
  * Checks everything and makes the scene. A scene without a camera gets one that shows all of it, and one without a light an

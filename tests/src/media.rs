@@ -40,6 +40,12 @@ fn renderer<T: TestBackend>(scene: &Scene, media: &[Medium], settings: &Settings
     Pipeline::new(T::make(2), &SceneView { media, ..scene.view() }, view, settings).unwrap()
 }
 
+/// All cases; of a backend that traces fewer photons, and whose pictures are compared with those of the other, the last alone.
+fn cases<T: TestBackend, C>(all: &[C]) -> &[C] {
+    let first = if T::ONE_OF == 1 { 0 } else { all.len() - 1 };
+    &all[first..]
+}
+
 /// Mean of the layers over the pixels, of one channel, in user units, of the passes in a film.
 fn mean(film: &Film, layers: &[Layer], channel: usize) -> f64 {
     let of_pixel = |layer: &Layer| film.pixels.iter().map(|p| p.layers[*layer as usize][channel]).sum::<f64>();
@@ -98,14 +104,14 @@ fn airlight(length: f64) -> Scene {
 /// P2: light of a lamp that is scattered once along a view: ∫ σ_s f Φ e^(−σ(t+d))/(4πd²) dt.
 pub fn p2_airlight<T: TestBackend>() {
     let settings = Settings { shadow_rays: 8, ..direct_settings(Direct::Nee, 0.1) };
-    for (length, g, expected) in [
+    for &(length, g, expected) in cases::<T, _>(&[
         (10.0, 0.0, 0.045_260_6),
         (10.0, 0.5, 0.059_260_0),
         (10.0, 0.9, 0.045_498_5),
         (10.0, -0.5, 0.044_625_4),
         (5.0, 0.0, 0.025_103_2),
         (5.0, 0.9, 0.044_611_5),
-    ] {
+    ]) {
         let scene = airlight(length);
         let media = Fog::new(0.1, 0.5, g).at(&scene, 0);
         let [found, ..] = per_pass::<T>(&scene, &media, &settings, (24, 8), &Layer::ALL);
@@ -137,13 +143,13 @@ fn endless(distance: f64, degrees: f64) -> Scene {
 
 /// P14: all orders of scattering around a lamp in endless fog; that of the first order by shadow rays.
 pub fn p14_endless_fog<T: TestBackend>() {
-    for (albedo, distance, degrees, all, once) in [
-        (0.9, 1.0, 90.0, 6.482_288e-3, 1.101_706e-3),
+    for &(albedo, distance, degrees, all, once) in cases::<T, _>(&[
         (0.9, 1.0, 180.0, 4.236_269e-3, 5.814_939e-4),
         (0.9, 2.0, 60.0, 2.997_893e-3, 2.495_940e-4),
         (0.5, 1.0, 90.0, 1.304_728e-3, 6.120_590e-4),
         (0.5, 2.0, 60.0, 3.877_344e-4, 1.386_634e-4),
-    ] {
+        (0.9, 1.0, 90.0, 6.482_288e-3, 1.101_706e-3),
+    ]) {
         let scene = endless(distance, degrees);
         let media = Fog::new(1.0, albedo, 0.0).at(&scene, 0);
         let settings = Settings { photons: 30_000, shadow_rays: 8, ..fixed_radius(0.1) };
@@ -172,7 +178,7 @@ pub fn p12_furnace<T: TestBackend>() {
     let projection = Projection::Perspective { vertical_fov: 1.0 };
     builder.camera("inside", CameraDesc::new([-0.3, 0.1, -0.2], towards, [0.0, 1.0, 0.0], projection));
     let scene = builder.build().unwrap();
-    for (extinction, g) in [(1e-4, 0.0), (0.7, 0.0), (0.7, 0.8), (3.0, -0.5)] {
+    for &(extinction, g) in cases::<T, _>(&[(1e-4, 0.0), (0.7, 0.0), (3.0, -0.5), (0.7, 0.8)]) {
         let media = Fog::new(extinction, 1.0, g).at(&scene, 0);
         let settings = Settings { photons: 20_000, shadow_rays: 4, max_bounces: 200, ..fixed_radius(0.05) };
         let [found, ..] = per_pass::<T>(&scene, &media, &settings, (12 * T::ONE_OF, 16), &Layer::ALL);
@@ -202,7 +208,7 @@ fn in_even_light(shape: shapes::Shape, ior: f64, shell: f64, half_height: f64) -
 
 /// P13: a body that absorbs nothing in even light looks like the light, matched or refracting.
 pub fn p13_body_in_even_light<T: TestBackend>() {
-    for (ior, extinction, g) in [(1.0, 1.0, 0.0), (1.5, 1.0, 0.0), (1.5, 4.0, 0.7)] {
+    for &(ior, extinction, g) in cases::<T, _>(&[(1.0, 1.0, 0.0), (1.5, 1.0, 0.0), (1.5, 4.0, 0.7)]) {
         let scene = in_even_light(shapes::icosphere(3, [0.0; 3], 1.0), ior, 1.5, 1e-3);
         let media = Fog::new(extinction, 1.0, g).at(&scene, 1);
         let settings = Settings { photons: 60_000, max_bounces: 400, caustics: true, ..fixed_radius(0.1) };
@@ -217,11 +223,11 @@ pub fn p10_slabs<T: TestBackend>() {
     let slab = shapes::cuboid([-0.5, -3.5, -3.5], [0.5, 3.5, 3.5]);
     let scene = in_even_light(slab, 1.0, 5.2, 1.2);
     let colours = Fog { scattering: [0.45, 1.6, 4.0], absorption: [0.05, 0.4, 4.0], anisotropy: 0.0 };
-    for (what, fog, expected) in [
+    for &(what, fog, expected) in cases::<T, _>(&[
         ("thin", Fog::new(2.0, 0.9, 0.75), [0.758_352; 3]),
         ("thick", Fog::new(4.0, 0.99, 0.75), [0.284_315_3 + 0.646_509_2; 3]),
         ("coloured", colours, [0.934_42, 0.551_89, 0.116_05]),
-    ] {
+    ]) {
         let media = fog.at(&scene, 1);
         let settings = Settings { photons: 100_000, max_bounces: 64, caustics: true, ..fixed_radius(0.12) };
         let found = per_pass::<T>(&scene, &media, &settings, (12, 12), &Layer::ALL);

@@ -24,7 +24,6 @@ use crate::radius::radii;
 use crate::radius::schedule::Schedule;
 use crate::requirements::Requirements;
 use crate::requirements::features::Features;
-use crate::requirements::map_place::MapPlace;
 use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::SceneView;
 use crate::scene::layout::{ErrorMoments, Estimate, PhotonRay, Query};

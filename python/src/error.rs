@@ -1,8 +1,8 @@
 //! Errors, as exceptions of the module `photonmap`.
 
+use photon_image::fault::{Fault, chain};
 use photonmap::film::FilmFileError;
 use photonmap::scene::SceneError;
-use photon_image::fault::{Fault, chain};
 use pyo3::PyTypeInfo;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

@@ -4,13 +4,13 @@ use std::io::Cursor;
 use std::path::Path;
 
 use numpy::{IntoPyArray, PyArray1};
-use photonmap::film::{FilmInfo, load, load_from, save, save_to};
-use photonmap::{Blocks, ErrorTarget, Film, FilmTally, Layer, MapKind, Tally};
 use photon_image::denoise::Denoiser;
 use photon_image::exposure::{Exposure, measured};
 use photon_image::png_file::{self, Picture};
 use photon_image::tonemap::ToneMap;
 use photon_image::{atomic_write, exr_file};
+use photonmap::film::{FilmInfo, load, load_from, save, save_to};
+use photonmap::{Blocks, ErrorTarget, Film, FilmTally, Layer, MapKind, Tally};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 

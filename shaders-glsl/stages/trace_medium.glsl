@@ -18,6 +18,9 @@ uvec4 medium_words(Sampler s, uint domain, uint block) {
     return philox4x32(uvec4(s.path, block, s.pass, domain), s.key);
 }
 
+// Largest number below 1.
+const float LAST_PLACE = 0.99999994;
+
 // Leaves the photons of a stretch of length `end` in the medium with this index: several where the light may be focused.
 void deposit(inout Path path, uint index, float end) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
@@ -31,6 +34,8 @@ void deposit(inout Path path, uint index, float end) {
         uint place = counter_take(push.place);
         if (place >= push.places) continue;
         precise float at = (float(number) + start) / float(count);
+        // Rounding may give 1, which is infinitely far in a dense medium.
+        at = min(at, LAST_PLACE);
         Photon photon;
         vec3 power;
         photon.position = along(path.ray, flight_deposit(medium, path.power, end, count, channel, at, power));
@@ -43,7 +48,7 @@ void deposit(inout Path path, uint index, float end) {
     [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? count : 0u;
 }
 
-// How a path crosses a stretch: it reaches the end, or has been scattered and goes on along another ray, or ends.
+// Outcome of a stretch: the path reaches its end, or has been scattered and goes on along another ray, or ends.
 const uint CROSSING_PASSES = 0u;
 const uint CROSSING_COLLIDES = 1u;
 const uint CROSSING_ABSORBED = 2u;

@@ -284,6 +284,8 @@ pub fn what_media_do_not_go_with_is_refused<T: TestBackend>() {
     for (settings, expected) in [
         (Settings { indirect: photon_core::Indirect::Gather, ..plain.clone() }, "--indirect map"),
         (Settings { errors: true, ..plain.clone() }, "no error statistics"),
+        (Settings { direct: Direct::Photons, ..plain.clone() }, "--direct nee"),
+        (Settings { transparent_background: true, ..plain.clone() }, "fog hides"),
         (
             Settings { estimator: photon_core::Estimator::Knn { k: 50, max_radius: None }, ..plain.clone() },
             "by a radius",

@@ -94,20 +94,34 @@ impl Wide {
     pub fn exact(scene: &Scene, described: &Described) -> Self {
         let units = scene.units();
         let place = |p: [f64; 3]| (DVec3::from(p) - DVec3::from(units.center)) / units.scale;
-        let mut triangles = Vec::new();
-        for ((positions, indices), _) in &described.meshes {
-            triangles.extend(indices.iter().map(|corners| corners.map(|index| place(positions[index as usize]))));
-        }
-        assert_eq!(triangles.len(), scene.view().triangles.len(), "a triangle was dropped");
+        // The builder sorts meshes and lights by what they are.
+        let sources = scene.triangle_sources().map(|(mesh, triangle)| {
+            let ((positions, indices), _) = &described.meshes[mesh as usize];
+            indices[triangle as usize].map(|index| place(positions[index as usize]))
+        });
+        let triangles: Vec<_> = sources.collect();
+        let all: usize = described.meshes.iter().map(|((_, indices), _)| indices.len()).sum();
+        assert_eq!(triangles.len(), all, "a triangle was dropped");
         let mut wide = Self::with(scene, triangles);
         let surfaces = wide.lights.iter().filter(|light| light.kind == Light::TRIANGLE).count();
         wide.light_places = vec![DVec3::ZERO; surfaces];
-        wide.light_places.extend(described.lights.iter().map(|light| match *light {
-            LightDesc::Point { position, .. } | LightDesc::Spot { position, .. } => place(position),
-            LightDesc::Directional { .. } => DVec3::ZERO,
-            ref other => panic!("the twin has no such light: {other:?}"),
-        }));
-        assert_eq!(wide.light_places.len(), wide.lights.len(), "a light was dropped");
+        assert_eq!(surfaces + described.lights.len(), wide.lights.len(), "a light was dropped");
+        let places: Vec<DVec3> = described
+            .lights
+            .iter()
+            .filter_map(|light| match *light {
+                LightDesc::Point { position, .. } | LightDesc::Spot { position, .. } => Some(place(position)),
+                LightDesc::Directional { .. } => None,
+                ref other => panic!("the twin has no such light: {other:?}"),
+            })
+            .collect();
+        let exact = |light: &Light| {
+            let rounded = Vec3::from(light.position).as_dvec3();
+            let gap = |place: &&DVec3| place.distance_squared(rounded);
+            let nearest = places.iter().min_by(|a, b| gap(a).total_cmp(&gap(b)));
+            nearest.copied().filter(|_| light.kind != Light::DIRECTIONAL).unwrap_or_default()
+        };
+        wide.light_places.extend(wide.lights[surfaces..].iter().map(exact));
         wide
     }
 

@@ -45,7 +45,7 @@ pub(crate) struct CpuEye {
 /// Queries that camera paths leave. Only for visible points do they add to the film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EyeQueries {
-    /// Where they end.
+    /// At the ends of paths.
     VisiblePoints,
     /// For the reflection of glossy surfaces: [`photon_core::GlossCaustics`].
     Reflections,

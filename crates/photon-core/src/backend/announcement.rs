@@ -34,7 +34,7 @@ pub struct Announcement<'a> {
 pub struct AnnouncedMap {
     /// Its kind.
     pub kind: MapKind,
-    /// Where its photons lie.
+    /// Place of its photons.
     pub place: MapPlace,
     /// Format of its photons.
     pub photon_format: PhotonFormat,

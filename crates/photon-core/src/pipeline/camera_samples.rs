@@ -33,24 +33,28 @@ impl<B: TransportBackend> Pipeline<B> {
     fn camera_sample(&mut self, pass: Pass) -> Result<()> {
         self.on.mark(Some(Stage::Eye));
         self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
-        self.direct_light(pass)?;
+        self.direct_light(pass, pass.sample)?;
         self.on.mark(None);
         Ok(())
     }
 
-    /// Adds the light of shadow rays from the queries of a camera sample, and from its segments in media, if there are any.
-    pub(super) fn direct_light(&mut self, pass: Pass) -> Result<()> {
+    /// Adds the light of shadow rays from the queries of a camera sample, and from its segments in media, if there are any. They
+    /// have the random numbers of camera sample `shadow_sample`.
+    pub(super) fn direct_light(&mut self, pass: Pass, shadow_sample: u32) -> Result<()> {
+        let shadows = Pass { sample: shadow_sample, ..pass };
         if let (Some(media), Some(segments)) = (&mut self.stages.media, &mut self.segments) {
             self.on.mark(Some(Stage::Eye));
             media.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, segments)?;
-            self.on.mark(Some(Stage::Direct));
-            let rays = self.settings.shadow_rays;
-            media.direct.light(&mut self.on, &self.scene, pass, segments, rays, &mut self.film)?;
+            if self.settings.direct == Direct::Nee {
+                self.on.mark(Some(Stage::Direct));
+                let rays = self.settings.shadow_rays;
+                media.direct.light(&mut self.on, &self.scene, shadows, segments, rays, &mut self.film)?;
+            }
         }
         if let Some(direct) = &mut self.stages.direct {
             self.on.mark(Some(Stage::Direct));
             let rays = self.settings.shadow_rays;
-            direct.light(&mut self.on, &self.scene, pass, &self.queries, rays, &mut self.film)?;
+            direct.light(&mut self.on, &self.scene, shadows, &self.queries, rays, &mut self.film)?;
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ use crate::scene::SceneView;
 use crate::scene::media::MediaFeatures;
 use crate::scene::medium::Medium;
 use crate::scene::solids::Solids;
-use crate::settings::{Estimator, Indirect, Settings};
+use crate::settings::{Direct, Estimator, Indirect, Settings};
 
 /// Lights that camera paths meet, by themselves or by way of mirrors and glass.
 const VISIBLE: Features = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::SUN);
@@ -69,11 +69,19 @@ pub(super) fn check_media(scene: &SceneView<'_>, settings: &Settings) -> Result<
     let refuse = |name: &'static str, value: &str, hint: &'static str| {
         Err(Error::InvalidSetting { name, value: format!("{value}, in a scene with media that scatter light"), hint })
     };
+    if settings.direct == Direct::Photons {
+        return refuse("direct", "photons", "light of lights in media is found by shadow rays: use --direct nee");
+    }
+    if settings.transparent_background && media.contains(MediaFeatures::AMBIENT) {
+        return refuse("transparent-background", "true", "fog hides what is behind it: leave it out");
+    }
     if settings.indirect == Indirect::Gather {
         return refuse("indirect", "gather", "gather rays do not see such media yet: use --indirect map");
     }
     if settings.errors {
-        return refuse("errors", "enabled", "light from media has no error statistics yet: leave it out");
+        let hint = "light in media has no error statistics yet: leave out --errors and --target-error, take --bandwidth shared, \
+                    and no preset with --time";
+        return refuse("errors", "enabled", hint);
     }
     if !matches!(settings.estimator, Estimator::Radius { .. }) {
         return refuse(

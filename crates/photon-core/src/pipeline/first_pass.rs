@@ -63,8 +63,9 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok((pipeline, Some(Decision { settings: decided, first })))
     }
 
-    /// Renders a pass three times, with other random numbers and with other ones of shadow rays alone, each into a film of its own: on a GPU a whole one, which takes milliseconds, but for rays of a query beyond a
-    /// few; otherwise one of few pixels and paths. `None` if it shows no surface.
+    /// Renders a pass three times, each into a film of its own: with other random numbers, and with other ones for shadow rays
+    /// alone. On a GPU these are whole passes, which take milliseconds, but for rays of a query beyond a few; otherwise they have
+    /// few pixels and paths. `None` if no surface is seen.
     fn first_pass(&mut self, is_whole: bool) -> Result<Option<FirstPass>> {
         let small = if is_whole { self.view } else { reduced(self.view, PIXELS) };
         let paths = if is_whole { WHOLE } else { 4 * PIXELS as u32 };

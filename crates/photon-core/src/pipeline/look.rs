@@ -6,8 +6,9 @@ use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 
 impl<B: TransportBackend> Pipeline<B> {
-    /// Traces camera paths, and computes direct light with the random numbers of camera sample `shadows`. Returns the number of queries, and of paths that were truncated.
-    pub(super) fn look(&mut self, index: u32, shadows: u32) -> Result<(u64, u64)> {
+    /// Traces the camera paths of pass `index`, and their direct light with the random numbers of camera sample `shadow_sample`.
+    /// Returns the number of queries, and of paths that were truncated.
+    pub(super) fn look(&mut self, index: u32, shadow_sample: u32) -> Result<(u64, u64)> {
         let pass = Pass::new(&self.settings, index);
         self.on.mark(Some(Stage::Eye));
         self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
@@ -20,7 +21,7 @@ impl<B: TransportBackend> Pipeline<B> {
                 self.on.scale_radii(reflections, factors)?;
             }
         }
-        self.direct_light(Pass { sample: shadows, ..pass })?;
+        self.direct_light(pass, shadow_sample)?;
         self.on.mark(None);
         Ok((self.on.fill(&self.queries)?.length, self.stages.eye.truncated(&mut self.on)?))
     }

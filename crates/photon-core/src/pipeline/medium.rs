@@ -5,7 +5,7 @@ use super::{PILOT_PASS, Pipeline, QUERIES_PER_PIXEL};
 use crate::backend::stages::{BeamParams, Pass};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
-use crate::neighbour_radius;
+use crate::radius::radii;
 use crate::requirements::features::Features;
 use crate::scene::layout::Estimate;
 
@@ -40,6 +40,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let Some(estimates) = &mut self.estimates else { return Ok(FIRST_RADIUS) };
         let pass = Pass::new(&self.settings, PILOT_PASS);
         media.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, segments)?;
+        // Few photons are counted inaccurately, so that more are looked for.
+        let looked_for = wanted.max(8.0);
         let mut radius = FIRST_RADIUS;
         let mut found: Vec<Estimate> = Vec::new();
         // The second time within about the radius that is needed, since photons are not spread evenly.
@@ -54,10 +56,9 @@ impl<B: TransportBackend> Pipeline<B> {
             }
             let middle = counts.len() / 2;
             let (_, &mut median, _) = counts.select_nth_unstable(middle);
-            radius *= (wanted.max(8.0) / f64::from(median)).sqrt() as f32;
-            radius = radius.clamp(1e-5, neighbour_radius::MAX_RADIUS);
+            radius = radii::scaled(radius, (looked_for / f64::from(median)).sqrt() as f32);
         }
         self.on.abandon_pass(&mut self.film)?;
-        Ok(radius)
+        Ok(radii::scaled(radius, (wanted / looked_for).sqrt() as f32))
     }
 }

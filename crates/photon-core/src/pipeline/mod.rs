@@ -234,7 +234,11 @@ impl<B: TransportBackend> Pipeline<B> {
             stages.gloss_caustics = None;
         }
         let weights = Weights::new(scene, &settings, &required, stages.gloss_caustics.is_some())?;
-        let format = if stages.gloss_caustics.is_some() { PhotonFormat::Full } else { required.photon_format };
+        let has_full_photons = stages.gloss_caustics.is_some() || stages.media.is_some();
+        let format = if has_full_photons { PhotonFormat::Full } else { required.photon_format };
+        // As they are found, and one after another, with their estimates.
+        let segment = (2 * size_of::<Query>() + size_of::<Estimate>()) as u64;
+        let segments = stages.media.as_ref().map_or(0, |_| u64::from(medium::segments_per_pixel(required.features)));
         let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);
         let plan = match settings.memory {
             Some(cap) => {
@@ -244,11 +248,10 @@ impl<B: TransportBackend> Pipeline<B> {
                     if settings.errors { (size_of::<ErrorMoments>(), size_of::<ErrorPixel>()) } else { (0, 0) };
                 // As they are found, and one after another.
                 let reflection = if stages.gloss_caustics.is_some() { 2 * size_of::<Query>() } else { 0 };
-                let segment = if stages.media.is_some() { 2 * size_of::<Query>() + size_of::<Estimate>() } else { 0 };
-                let query = costs.query + (moments + reflection + segment) as u64;
+                let query = costs.query + (moments + reflection) as u64;
                 // Factors on radii of each pixel, and seven words for their updates.
                 let radii = if settings.bandwidth == Bandwidth::PerPixel { size_of::<[u32; 8]>() } else { 0 };
-                let picture = pixels * (costs.pixel + (copy + radii) as u64 + per_pixel * query);
+                let picture = pixels * (costs.pixel + (copy + radii) as u64 + per_pixel * query + segments * segment);
                 Some(MemoryPlan::new(cap, tables.saturating_add(picture), &costs)?)
             }
             None => None,
@@ -262,12 +265,11 @@ impl<B: TransportBackend> Pipeline<B> {
             Some(_) => Some(on.alloc("queries of reflections", pixels * per_pixel)?),
             None => None,
         };
-        let at_segments = pixels * u64::from(medium::segments_per_pixel(required.features));
-        let segments = match stages.media {
-            Some(_) => Some(on.alloc("segments in media", at_segments)?),
-            None => None,
+        let most_estimates = pixels * per_pixel.max(segments);
+        let segments = match segments {
+            0 => None,
+            each => Some(on.alloc("segments in media", pixels * each)?),
         };
-        let most_estimates = (pixels * per_pixel).max(if segments.is_some() { at_segments } else { 0 });
         let any_map = required.maps.any();
         let estimates = if any_map { Some(on.alloc("estimates", most_estimates)?) } else { None };
         let error_moments =

@@ -159,8 +159,8 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         "media that scatter light",
         scatters,
         if scatters {
-            "photons in them have maps of 32 bytes each, photon paths and camera paths are traced once more, and shadow rays \
-             start along camera paths too"
+            "each photon in them takes 32 bytes, photon paths and camera paths are traced once more, and shadow rays start \
+             along camera paths too"
         } else {
             "no medium has a scattering coefficient"
         },

@@ -1,6 +1,6 @@
-//! Where the photons of a map lie, and what reads them.
+//! Places of photons, and what reads them.
 
-/// Where the photons of a map lie. With the [`crate::MapKind`], the place tells apart all maps of a pass.
+/// Place of the photons of a map. With the [`crate::MapKind`], it tells apart all maps of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum MapPlace {

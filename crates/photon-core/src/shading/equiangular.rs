@@ -51,8 +51,7 @@ impl Equiangular {
     }
 }
 
-/// Distance along a segment of length `end`, in proportion to the transmittance for the coefficient `extinction`; and its
-/// density.
+/// Distance along a segment of length `end`, in proportion to the transmittance for the coefficient `extinction`.
 #[inline]
 #[must_use]
 pub fn exponential(extinction: f32, end: f32, u: f32) -> f32 {

@@ -27,7 +27,7 @@ pub struct Collision {
     pub distance: f32,
     /// Power that is scattered there, times the inverse of the probability that it is not absorbed.
     pub power: Vec3,
-    /// That probability: the albedo of the mixture.
+    /// Albedo of the mixture: the probability that it is not absorbed.
     pub albedo: f32,
 }
 
@@ -143,8 +143,8 @@ mod tests {
         move || [0; 2].map(|_: i32| unit_f32(numbers.word() as u32))
     }
 
-    /// What passes a stretch is e^(−σs) of each channel in the mean, and what is scattered σ_s/σ of the rest; their sum is
-    /// kept but for absorption. |z| ≤ 4.5 of the standard error of the mean.
+    /// Means of each channel: e^(−σs) passes a stretch, and σ_s/σ of the rest is scattered; their sum is kept but for
+    /// absorption. |z| ≤ 4.5 of the standard error of the mean.
     #[test]
     fn flights_keep_the_light_of_each_channel() {
         const N: u32 = 100_000;

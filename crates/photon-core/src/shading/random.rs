@@ -31,7 +31,7 @@
 //! | flights | 2n + 1 | phase function, u · phase function, v · – · – |
 //! | deposits in media | n, after n surfaces and collisions; aimed paths: + 2³¹ | channel · place · – · – |
 //! | camera segments | ray r of the segment | light · point, u · point, v · place on the segment |
-//! | camera segments | [`BLOCK_SEGMENTS`] + n, segment n of the pixel | which of several is kept · – · – · – |
+//! | camera segments | [`BLOCK_SEGMENTS`] + n, segment n of the pixel | which of several is kept · alpha of shadow ray n · – · – |
 //! | wavelength | domain of the path + 8 · gather ray | wavelength · – · – · – |
 //! | area probes | 0, by the path of the query | rotation of the spokes · shift of the rings · – · – |
 //!

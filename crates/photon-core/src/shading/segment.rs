@@ -26,7 +26,7 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// As a record: the normals and the length are in words that have other meanings at surfaces.
+    /// Converts it to a record: the normals and the length are in words that have other meanings at surfaces.
     #[inline]
     #[must_use]
     pub fn query(&self, pixel: u32, path: u32) -> Query {

@@ -10,6 +10,9 @@ use super::{PhotonList, Walk};
 /// Bit of the blocks of aimed paths, whose numbers may be those of other paths.
 const AIMED_BLOCKS: u32 = 1 << 31;
 
+/// Largest number below 1.
+const LAST_PLACE: f32 = 1.0 - f32::EPSILON / 2.0;
+
 /// A part of a path between two surfaces, in one medium.
 pub(super) struct Stretch {
     pub(super) ray: Ray,
@@ -20,7 +23,7 @@ pub(super) struct Stretch {
     pub(super) specular_only: bool,
 }
 
-/// How a path crosses a stretch.
+/// Outcome of a stretch.
 pub(super) enum Crossing {
     /// It reaches the end.
     Passes,
@@ -96,7 +99,8 @@ impl MediumWalk {
         let block = bounce + self.collisions + if self.is_aimed { AIMED_BLOCKS } else { 0 };
         let [channel, place, ..] = self.deposits.words(block).map(unit_f32);
         for number in 0..count {
-            let place = (number as f32 + place) / count as f32;
+            // Rounding may give 1, which is infinitely far in a dense medium.
+            let place = ((number as f32 + place) / count as f32).min(LAST_PLACE);
             let (distance, left) = flight::deposit(medium, power, end, count, [channel, place]);
             photons.push(Photon {
                 position: (ray.origin + ray.direction * distance).into(),

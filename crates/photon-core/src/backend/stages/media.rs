@@ -10,7 +10,7 @@ use crate::settings::kernel::Kernel;
 #[derive(Clone, Copy, Debug, PartialEq)]
 // Exhaustive: as `Batch`.
 pub struct BeamParams {
-    /// How photons are weighted by their distance from the segment.
+    /// Weight of photons by their distance from the segment.
     pub kernel: Kernel,
     /// Radius around the segment, normalised, > 0; times [`Query::radius`], but at most half a mean free path.
     pub radius: f32,
@@ -46,7 +46,7 @@ pub struct MediaStages<B: TransportBackend> {
     /// Traces the paths of [`crate::Stages::tracer`] once more. On each stretch in a medium that scatters light it stores photons
     /// whose expected power is that of the light scattered there, but for stretches that begin at a light source.
     pub tracer: Box<dyn Tracer<B>>,
-    /// The same for the paths of [`crate::Aimed`], which never collide, and lose what is attenuated.
+    /// Tracer for the paths of [`crate::Aimed`], which never collide, and lose what is attenuated.
     pub aimed: Box<dyn Tracer<B>>,
     /// Traces camera paths, leaves their segments in such media, at most [`crate::Pipeline`]'s number for each pixel, and adds
     /// nothing to the film.

@@ -218,11 +218,11 @@ impl Settings {
 
     /// Settings by the facts of the first pass with [`Settings::for_first_pass`].
     ///
-    /// Radii are those of each pixel where caustics are visible, and on a GPU everywhere. For a number of passes, there are more shadow rays
-    /// where direct light exceeds indirect light. Within a time, camera samples and shadow rays are as many as remove most noise in it,
-    /// final gathering is taken where indirect light dominates, if there is time enough for it and for
-    /// compiling its kernels, and paths are fewer if hardly a pass would fit. Decisions depend on shares of the light, but for the
-    /// last three, which depend on seconds too.
+    /// Radii are those of each pixel where caustics are visible, and on a GPU everywhere. For a number of passes, there are more
+    /// shadow rays where direct light exceeds indirect light. Within a time, camera samples and shadow rays are as many as remove
+    /// most noise in it, final gathering is taken where indirect light dominates, if there is time enough for it and for compiling
+    /// its kernels, and paths are fewer if hardly a pass would fit. Decisions depend on shares of the light, but for the last
+    /// three, which depend on seconds too.
     #[must_use]
     pub fn for_time(&self, within: &Circumstances, first: &FirstPass) -> Self {
         let Circumstances { is_gpu, fixed, .. } = *within;

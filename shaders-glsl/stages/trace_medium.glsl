@@ -79,7 +79,7 @@ uint cross_medium(inout Path path, uint media, float end) {
     return CROSSING_COLLIDES;
 }
 
-// How a path that has collided ends there, or FATE_NONE.
+// Fate of a path after a collision, or FATE_NONE.
 uint after_collision(uint collisions) { return collisions > FLIGHT_MAX_COLLISIONS ? FATE_TRUNCATED : FATE_NONE; }
 
 // How a path that meets no surface ends, or FATE_NONE if it collides before it is too far away.

@@ -44,11 +44,11 @@ pub fn noise_falls_with_their_number<T: TestBackend>() {
     let scene = builtin("cornell").unwrap().build().unwrap();
     let light = |samples, seed| Settings { indirect: Indirect::None, caustics: false, ..settings(samples, seed) };
     let [one, four] = [(1, 5), (4, 6)].map(|(samples, seed)| film::<T>(&scene, &light(samples, seed), 16, 24));
-    let is_lamp = |film: &Film| film.layer(Layer::Emission).into_iter().map(|emitted| emitted != [0.0; 3]);
-    let lamps: Vec<bool> = is_lamp(&one).zip(is_lamp(&four)).map(|(one, four)| one || four).collect();
+    let is_light = |film: &Film| film.layer(Layer::Emission).into_iter().map(|emitted| emitted != [0.0; 3]);
+    let lights: Vec<bool> = is_light(&one).zip(is_light(&four)).map(|(one, four)| one || four).collect();
     // Variance of a pass over 16.
     let variance = |film: &Film| film.standard_error().into_iter().map(|error| f64::from(error).powi(2));
-    let pairs: Vec<_> = variance(&one).zip(variance(&four)).zip(&lamps).filter(|(_, lamp)| !**lamp).collect();
+    let pairs: Vec<_> = variance(&one).zip(variance(&four)).zip(&lights).filter(|(_, light)| !**light).collect();
     let gaps = |factor: f64| pairs.iter().map(|((one, four), _)| factor * four - one).collect::<Vec<_>>();
     let z = |gaps: &[f64]| moments(gaps).0 / standard_error(gaps);
     let (quarter, same) = (gaps(4.0), gaps(1.0));

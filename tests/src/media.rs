@@ -89,19 +89,19 @@ fn camera(builder: &mut SceneBuilder, position: [f64; 3], direction: [f64; 3], h
     builder.camera("ray", CameraDesc::new(position, direction, up, projection));
 }
 
-/// A lamp of 100 W one metre beside a view that ends at a black wall.
+/// A point light of 100 W one metre beside a view that ends at a black wall.
 fn airlight(length: f64) -> Scene {
     let mut builder = SceneBuilder::new();
     let black = builder.material(MaterialDesc::lambert("wall", [0.0; 3]));
     let x = length;
     builder.quad("wall", [[x, -0.3, 0.3], [x, 0.3, 0.3], [x, 0.3, -0.3], [x, -0.3, -0.3]], black);
     let intensity = [100.0 / (4.0 * PI); 3];
-    builder.light("lamp", LightDesc::Point { position: [5.0, 1.0, 0.0], intensity });
+    builder.light("light", LightDesc::Point { position: [5.0, 1.0, 0.0], intensity });
     camera(&mut builder, [0.0; 3], [1.0, 0.0, 0.0], 1e-3);
     builder.build().unwrap()
 }
 
-/// P2: light of a lamp that is scattered once along a view: ∫ σ_s f Φ e^(−σ(t+d))/(4πd²) dt.
+/// P2: light of a point that is scattered once along a view: ∫ σ_s f Φ e^(−σ(t+d))/(4πd²) dt.
 pub fn p2_airlight<T: TestBackend>() {
     let settings = Settings { shadow_rays: 8, ..direct_settings(Direct::Nee, 0.1) };
     for &(length, g, expected) in cases::<T, _>(&[
@@ -128,7 +128,7 @@ pub fn p2_sees_the_direction_of_scattering<T: TestBackend>() {
     assert!((moments(&found).0 / 0.052_607_2 - 1.0).abs() > 0.5, "{found:?}");
 }
 
-/// A lamp of 1 W in endless fog, with the camera at a distance and an angle from it; a black speck behind, since a scene
+/// A point light of 1 W in endless fog, with the camera at a distance and an angle from it; a black speck behind, since a scene
 /// needs a surface.
 fn endless(distance: f64, degrees: f64) -> Scene {
     let mut builder = SceneBuilder::new();
@@ -136,12 +136,12 @@ fn endless(distance: f64, degrees: f64) -> Scene {
     builder.quad("speck", [[-3.0, 0.0, 0.0], [-3.0, 1e-3, 0.0], [-3.0, 1e-3, 1e-3], [-3.0, 0.0, 1e-3]], black);
     let (sine, cosine) = degrees.to_radians().sin_cos();
     let position = [distance * cosine, distance * sine, 0.0];
-    builder.light("lamp", LightDesc::Point { position, intensity: [0.25 * FRAC_1_PI; 3] });
+    builder.light("light", LightDesc::Point { position, intensity: [0.25 * FRAC_1_PI; 3] });
     camera(&mut builder, [0.0; 3], [1.0, 0.0, 0.0], 1e-3);
     builder.build().unwrap()
 }
 
-/// P14: all orders of scattering around a lamp in endless fog; that of the first order by shadow rays.
+/// P14: all orders of scattering around a point light in endless fog; that of the first order by shadow rays.
 pub fn p14_endless_fog<T: TestBackend>() {
     for &(albedo, distance, degrees, all, once) in cases::<T, _>(&[
         (0.9, 1.0, 180.0, 4.236_269e-3, 5.814_939e-4),

@@ -138,7 +138,7 @@ mod tests {
 
     use crate::index::PointIndex;
 
-    /// The same points as by testing all, for random lines and for lines along an axis.
+    /// Points found are those of a test of all, for random lines and for lines along an axis.
     #[test]
     fn the_points_are_those_of_a_search_without_a_tree() {
         let mut numbers = SplitMix64(17);

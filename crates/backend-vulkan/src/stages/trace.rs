@@ -104,7 +104,7 @@ impl PhotonPaths {
         Self { reflections: true, caustic_roughness, ..Self::aimed(settings) }
     }
 
-    /// The same paths, for [`photon_core::MediaStages`].
+    /// Paths of [`photon_core::MediaStages`].
     pub(crate) fn in_media(self) -> Self {
         Self { in_media: true, ..self }
     }

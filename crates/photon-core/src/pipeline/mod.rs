@@ -236,7 +236,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let weights = Weights::new(scene, &settings, &required, stages.gloss_caustics.is_some())?;
         let has_full_photons = stages.gloss_caustics.is_some() || stages.media.is_some();
         let format = if has_full_photons { PhotonFormat::Full } else { required.photon_format };
-        // As they are found, and one after another, with their estimates.
+        // Two copies, in slots and compacted, and their estimates.
         let segment = (2 * size_of::<Query>() + size_of::<Estimate>()) as u64;
         let segments = stages.media.as_ref().map_or(0, |_| u64::from(medium::segments_per_pixel(required.features)));
         let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);

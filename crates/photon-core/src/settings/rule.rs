@@ -111,9 +111,9 @@ pub struct FirstPass {
     pub shadow_ray_seconds: f64,
     /// Relative variance of a pixel by the choice of a camera path, mean over the pixels that show a surface.
     pub camera_noise: f64,
-    /// The same by that of a shadow ray.
+    /// Relative variance by the choice of a shadow ray.
     pub shadow_noise: f64,
-    /// The same by the light that is read from the maps once in a pass.
+    /// Relative variance of the light that is read from the maps once in a pass.
     pub map_noise: f64,
     /// Expected seconds of one final-gather ray for each pixel: a ray and an estimate where it lands.
     pub gather_ray_seconds: f64,

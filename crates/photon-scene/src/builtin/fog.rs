@@ -16,7 +16,7 @@ const OPENINGS: u32 = 3;
 /// Height of the wall between two openings: the shafts of light are apart as seen from the side.
 const BETWEEN: f64 = 0.52;
 
-/// A room full of mist; through three openings in a wall, one above the other, falls the light of a lamp outside.
+/// A room full of mist; through three openings in a wall, one above the other, falls the light of a spot light outside.
 pub(super) fn fog() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     let plaster = scene.material(MaterialDesc::lambert("plaster", [0.40, 0.38, 0.35]));
@@ -35,14 +35,14 @@ pub(super) fn fog() -> SceneBuilder {
     add(&mut scene, "ball", icosphere(5, [-0.75, 0.402, -1.75], 0.4), clay);
     add(&mut scene, "block", cuboid([1.5, 0.002, -2.2], [2.2, 0.9, -1.5]), plaster);
 
-    let lamp = LightDesc::Spot {
+    let spot = LightDesc::Spot {
         position: [-7.6, 4.9, -1.9],
         direction: [4.6, -3.15, 0.0],
         intensity: [5000.0, 4350.0, 3400.0],
         inner_angle: 0.21,
         outer_angle: 0.26,
     };
-    scene.light("lamp outside", lamp);
+    scene.light("spot outside", spot);
     scene.camera("inside", CameraDesc::look_at([0.4, 1.4, 2.85], [-0.75, 1.2, -1.9], [0., 1., 0.], 0.98));
     scene
 }

@@ -21,7 +21,7 @@ fn radius(height: f64) -> f64 {
     RADII[0] + (RADII[1] - RADII[0]) * height / HEIGHT
 }
 
-/// A glass of milk on a table, under a lamp.
+/// A glass of milk on a table, under a spot light.
 ///
 /// The milk reaches into the glass, whose priority is higher: where both are it is glass, and there is no gap between them.
 pub(super) fn milk() -> SceneBuilder {
@@ -40,14 +40,14 @@ pub(super) fn milk() -> SceneBuilder {
     // Dim light from above, by which the room is seen.
     let (y, half) = (0.40, 0.20);
     scene.quad("panel", [[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]], glow);
-    let lamp = LightDesc::Spot {
+    let spot = LightDesc::Spot {
         position: [-0.22, 0.36, 0.20],
         direction: [0.22, -0.30, -0.20],
         intensity: [0.90, 0.82, 0.70],
         inner_angle: 0.21,
         outer_angle: 0.45,
     };
-    scene.light("lamp", lamp);
+    scene.light("spot", spot);
 
     let inner = |height: f64| radius(height) - WALL;
     let profile = [

@@ -11,7 +11,7 @@ use crate::{LoadOptions, LoadReport, SceneError};
 pub enum EnvironmentName {
     /// An image.
     File(PathBuf),
-    /// The same radiance from all directions.
+    /// Even radiance from all directions.
     Constant([f64; 3]),
     /// Elevation of the sun in degrees, and turbidity.
     Sky(f64, f64),

@@ -11,7 +11,7 @@ const uint FEATURES = 0u;
 layout(constant_id = 3) const uint MEDIA = 1u;
 
 #include "probe/probe.glsl"
-#include "shading/media.glsl"
+#include "shading/stretches.glsl"
 
 // Two stacks, a medium and a distance; a material and whether its front is hit; a random word, a wavelength and the
 // address of the scene.
@@ -46,6 +46,6 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
             media_disperse(scene, sides, wavelength, power, words.c.x);
             return floats(vec4(float(wavelength), power), vec4(sides.eta, 0.0, 0.0, 0.0));
         }
-        default: return floats(vec4(transmittance(scene, stack, a.w), 0.0), vec4(0.0));
+        default: return floats(vec4(transmittance(scene, Ray(vec3(0.0), vec3(0.0, 0.0, 1.0), NO_LIMIT), a.w, stack), 0.0), vec4(0.0));
     }
 }

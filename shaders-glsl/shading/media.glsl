@@ -19,8 +19,6 @@ const bool AMBIENT = (MEDIA & MEDIA_AMBIENT) != 0u;
 
 // A stack of media: one byte each, the most recently entered one lowest. 0: in no medium.
 const uint VACUUM = 0u;
-// The stack in which light is neither absorbed nor scattered; with AMBIENT a value that no stack has.
-const uint CLEAR = AMBIENT ? 0xFF000000u : VACUUM;
 
 bool media_is_full(uint stack) { return stack >> 24 != 0u; }
 
@@ -137,12 +135,5 @@ float radiance_scale(SceneRef scene, uint from, uint at, uint wavelength) {
 
 // The medium that applies.
 Medium media_medium(SceneRef scene, uint stack) { return scene.media[media_current(scene, stack)].at; }
-
-// Transmittance per channel over the distance `far` in a stack of media: Beer and Lambert's law.
-vec3 transmittance(SceneRef scene, uint stack, float far) {
-    if (SCATTERING) return medium_transmittance(media_medium(scene, stack), far);
-    vec3 depth = scene.media[media_current(scene, stack)].at.absorption * far;
-    return vec3(exp_neg(depth.x), exp_neg(depth.y), exp_neg(depth.z));
-}
 
 #endif

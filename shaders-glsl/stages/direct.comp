@@ -18,7 +18,7 @@ layout(constant_id = 4) const uint GROUPS = 0;
 #include "device/grid.glsl"
 #include "shading/layout.glsl"
 #include "shading/math.glsl"
-#include "shading/media.glsl"
+#include "shading/stretches.glsl"
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
@@ -111,9 +111,8 @@ void main() {
         vec3 value = light_sample_times(found, cosine);
         if (GLOSSY) value *= glossy_entering(push.scene, coat, dot3(ray.direction, shading));
         if (!occluded(push.scene, ray, words.w)) {
-            // The shadow ray is unoccluded, so that it lies entirely in the query's medium.
-            if ((FEATURES & FEATURE_ABSORPTION) != 0 && push.queries[i].at.media != CLEAR) {
-                value *= transmittance(push.scene, push.queries[i].at.media, ray.t_max);
+            if (may_attenuate(push.queries[i].at.media)) {
+                value *= transmittance(push.scene, ray, ray.t_max, push.queries[i].at.media);
             }
             two_add(sum, low, value / share);
         }

@@ -45,6 +45,7 @@ layout(constant_id = 13) const uint SEGMENTS = 0;
 #include "shading/sun.glsl"
 #include "shading/scattering.glsl"
 #include "shading/shadow_terminator.glsl"
+#include "shading/stretches.glsl"
 
 // Whether paths leave queries at visible points, and add to the film.
 const bool POINTS = !REFLECTIONS && SEGMENTS == 0u;
@@ -273,11 +274,11 @@ void main() {
             }
             Interface sides = media_interface(push.scene, material, at.front, path.media);
             if (SEGMENTS != 0u) {
-                leave_segment(path, pixel, sides.before, at.t, -at.normal, reservoir, found);
+                leave_segments(path, pixel, sides.before, at.t, -at.normal, reservoir, found);
                 path.reflected_normal = at.normal;
             }
-            if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != CLEAR) {
-                path.throughput *= transmittance(push.scene, sides.before, at.t);
+            if (may_attenuate(sides.before)) {
+                path.throughput *= transmittance(push.scene, path.ray, at.t, sides.before);
             }
             if (DISPERSION && media_is_dispersive(push.scene, sides)) {
                 uint key = (pixel << PATHS_LOG2) + path.branch;
@@ -347,7 +348,7 @@ void main() {
             }
         }
         if (SEGMENTS != 0u && escaped) {
-            leave_segment(path, pixel, path.media, FLIGHT_FAR, path.ray.direction, reservoir, found);
+            leave_segments(path, pixel, path.media, NO_LIMIT, path.ray.direction, reservoir, found);
         }
         if (ENVIRONMENT && escaped && POINTS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;

@@ -37,9 +37,7 @@ vec3 light_reflection(Path path, uint pixel, Surface at, vec3 normal, uint media
     Reflected reflected = glossy_evaluate(push.scene, glossy, -path.ray.direction, direction, normal);
     vec3 value = light_sample_times(found, glossy_limited(direction, at.normal, normal)) * reflected.value;
     if (!(glossy_greatest(value) > 0.0) || occluded(push.scene, found.ray, random.w)) return vec3(0.0);
-    if ((FEATURES & FEATURE_ABSORPTION) != 0 && media != CLEAR) {
-        value *= transmittance(push.scene, media, found.ray.t_max);
-    }
+    if (may_attenuate(media)) value *= transmittance(push.scene, found.ray, found.ray.t_max, media);
     return value * (balance(found.pdf * share, reflected.pdf) / share);
 }
 

@@ -30,9 +30,7 @@ vec3 light_through(Path path, uint pixel, Surface at, vec3 offset, vec3 normal, 
     vec3 value = light_sample_times(found, limited) * scattered.value;
     if (!(glossy_greatest(value) > 0.0) || occluded(push.scene, found.ray, random.w)) return vec3(0.0);
     uint media = stays ? sides.before : sides.transmitted;
-    if ((FEATURES & FEATURE_ABSORPTION) != 0 && media != CLEAR) {
-        value *= transmittance(push.scene, media, found.ray.t_max);
-    }
+    if (may_attenuate(media)) value *= transmittance(push.scene, found.ray, found.ray.t_max, media);
     share *= of_side;
     return path.throughput * radiance_scale(push.scene, push.camera.at.media, media, wavelength_of(path)) * value
         * (balance(found.pdf * share, scattered.pdf) / share);

@@ -15,11 +15,11 @@ struct Reservoir {
     float kept;
 };
 
-// Light that a segment scatters into the pixel, if all of it arrives evenly.
-float segment_weight(uint media, vec3 throughput, float length) {
-    Medium medium = media_medium(push.scene, media);
+// Light that a segment in the medium with this index scatters into the pixel, if all of it arrives evenly.
+float segment_weight(uint index, vec3 throughput, Ray ray, float length) {
+    Medium medium = push.scene.media[index].at;
     vec3 extinction = medium_extinction(medium), scattering = medium.scattering;
-    precise vec3 lost = 1.0 - medium_transmittance(medium, length);
+    precise vec3 lost = 1.0 - stretch_transmittance(push.scene, index, ray, 0.0, length);
     precise vec3 few = scattering * length;
     precise vec3 many = scattering * lost / extinction;
     // For small depths the limit.
@@ -27,20 +27,17 @@ float segment_weight(uint media, vec3 throughput, float length) {
     return dot3(throughput, share);
 }
 
-// Leaves the segment of a path in a stack of media up to a distance, where there is a plane with the normal `end`, unless
-// nothing is scattered there.
+// Leaves a segment of a path from `ray.origin` on in the medium with this index, unless nothing is scattered there. `media` is
+// the stack that it is stored with, `start` and `end` are the normals of its planes.
 void leave_segment(
-    Path path, uint pixel, uint media, float length, vec3 end, inout Reservoir reservoir, inout uint found
+    vec3 throughput, uint pixel, uint media, uint index, Ray ray, float length, vec3 start, vec3 end,
+    inout Reservoir reservoir, inout uint found
 ) {
-    if (!(length > 0.0) || path.throughput == vec3(0.0)) return;
-    if (!medium_scatters(media_medium(push.scene, media))) return;
-    vec3 throughput = path.throughput;
-    if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, media, wavelength_of(path));
-    vec3 start = path.reflected_normal;
-    if (dot3(start, path.ray.direction) < 0.0) start = -start;
+    if (!(length > 0.0) || throughput == vec3(0.0)) return;
+    if (!medium_scatters(push.scene.media[index].at)) return;
     bool is_last = found + 1u >= SEGMENTS;
     if (is_last) {
-        float weight = segment_weight(media, throughput, length);
+        float weight = segment_weight(index, throughput, ray, length);
         uint number = reservoir.count;
         precise float total = reservoir.total + weight;
         uint word = philox4x32(
@@ -53,9 +50,23 @@ void leave_segment(
         if (!is_kept && number > 0u) return;
     }
     push.found[(pixel << PLACES_LOG2) + found].at = Query(
-        path.ray.origin, 1.0, path.ray.direction, pixel, throughput, media, floatBitsToUint(length),
+        ray.origin, 1.0, ray.direction, pixel, throughput, media, floatBitsToUint(length),
         (pixel << PATHS_LOG2) + found, octahedral_pack(end), octahedral_pack(start));
     if (!is_last) ++found;
+}
+
+// Leaves the segments of a path in a stack of media up to the distance `end`, NO_LIMIT without a surface, where there is a plane
+// with this normal: one for each stretch in which light is scattered.
+void leave_segments(
+    Path path, uint pixel, uint media, float end, vec3 plane, inout Reservoir reservoir, inout uint found
+) {
+    vec3 throughput = path.throughput;
+    if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, media, wavelength_of(path));
+    vec3 start = path.reflected_normal;
+    if (dot3(start, path.ray.direction) < 0.0) start = -start;
+    uint index = media_current(push.scene, media);
+    float to = end == NO_LIMIT ? FLIGHT_FAR : end;
+    leave_segment(throughput, pixel, media, index, path.ray, to, start, plane, reservoir, found);
 }
 
 // Completes the last slot.

@@ -22,6 +22,7 @@ layout(constant_id = 2) const uint MEDIA = 1;
 #include "shading/scene.glsl"
 #include "shading/scattering.glsl"
 #include "shading/shade.glsl"
+#include "shading/stretches.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     SceneRef scene;
@@ -90,9 +91,7 @@ void main() {
         }
         if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, ray.direction, facing);
         Interface sides = media_interface(push.scene, material, at.front, media);
-        if ((FEATURES & FEATURE_ABSORPTION) != 0 && sides.before != CLEAR) {
-            throughput *= transmittance(push.scene, sides.before, at.t);
-        }
+        if (may_attenuate(sides.before)) throughput *= transmittance(push.scene, ray, at.t, sides.before);
         if (DISPERSION && media_is_dispersive(push.scene, sides)) {
             uint drawn = wavelength_word(push.seed, push.pass, DOMAIN_GATHER, key, index);
             media_disperse(push.scene, sides, wavelength, throughput, drawn);

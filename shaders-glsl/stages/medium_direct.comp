@@ -18,13 +18,13 @@ layout(constant_id = 3) const uint MEDIA = 4;
 #include "shading/math.glsl"
 #include "shading/coated_light.glsl"
 #include "shading/equiangular.glsl"
-#include "shading/media.glsl"
 #include "shading/phase.glsl"
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
 #include "shading/scene.glsl"
 #include "shading/segment.glsl"
 #include "shading/shade.glsl"
+#include "shading/stretches.glsl"
 #include "shading/two_float.glsl"
 #include "shading/light_sampler.glsl"
 
@@ -119,7 +119,8 @@ vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alp
     Light light = push.scene.lights[index].at;
     Emitter emitter;
     if (!emitter_sample(index, light, point, emitter)) return vec3(0.0);
-    Medium medium = media_medium(push.scene, segment.media);
+    uint medium_index = media_current(push.scene, segment.media);
+    Medium medium = push.scene.media[medium_index].at;
     vec3 extinction = medium_extinction(medium);
     precise float mean = flight_total(extinction) / 3.0;
     Equiangular angles = equiangular_new(segment.origin, segment.direction, segment.far, emitter.at);
@@ -138,10 +139,12 @@ vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alp
     float away = sqrt(square);
     precise vec3 direction = gap / away;
     vec3 intensity = intensity_of(index, light, front, emitter.weights, direction);
-    if (intensity == vec3(0.0) || occluded(push.scene, Ray(from, direction, away), alpha)) return vec3(0.0);
+    Ray ray = Ray(from, direction, away);
+    if (intensity == vec3(0.0) || occluded(push.scene, ray, alpha)) return vec3(0.0);
     float phase = phase_value(medium.anisotropy, dot3(direction, segment.direction));
-    // The shadow ray meets no surface, so that all of it lies in the same medium.
-    vec3 passes = medium_transmittance(medium, far + away);
+    Ray seen = Ray(segment.origin, segment.direction, far);
+    vec3 passes = stretch_transmittance(push.scene, medium_index, seen, 0.0, far)
+        * transmittance(push.scene, ray, away, segment.media);
     return intensity * medium.scattering * passes * (phase / (square * density));
 }
 

@@ -43,6 +43,7 @@ layout(constant_id = 12) const bool IN_MEDIA = false;
 #include "shading/photon_sample.glsl"
 #include "shading/scattering.glsl"
 #include "shading/shade.glsl"
+#include "shading/stretches.glsl"
 #include "stages/tally.glsl"
 
 // Path index, and ordinal << MAP_BITS | map.
@@ -108,8 +109,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
 };
 
 layout(push_constant, scalar) uniform Push { Parameters push; };
-
-const bool ABSORPTION = (FEATURES & FEATURE_ABSORPTION) != 0u;
 
 bool is_finite3(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
 
@@ -280,12 +279,12 @@ uint step_path(inout Path path, Hit hit) {
     }
     if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
     Interface sides = media_interface(push.scene, material, at.front, path.media);
-    if (SCATTERING && medium_scatters(media_medium(push.scene, sides.before))) {
-        uint crossing = cross_medium(path, sides.before, at.t);
+    if (SCATTERING) {
+        uint crossing = fly(path, sides.before, at.t);
         if (crossing == CROSSING_ABSORBED) return FATE_ABSORBED;
         if (crossing == CROSSING_COLLIDES) return after_collision(path.collisions);
-    } else if (ABSORPTION && sides.before != CLEAR) {
-        path.power = photon_times(path.power, transmittance(push.scene, sides.before, at.t));
+    } else if (may_attenuate(sides.before)) {
+        path.power = photon_times(path.power, transmittance(push.scene, path.ray, at.t, sides.before));
     }
     if (DISPERSION && media_is_dispersive(push.scene, sides)) {
         Sampler s = path.numbers;

@@ -21,8 +21,9 @@ uvec4 medium_words(Sampler s, uint domain, uint block) {
 // Largest number below 1.
 const float LAST_PLACE = 0.99999994;
 
-// Leaves the photons of a stretch of length `end` in the medium with this index: several where the light may be focused.
-void deposit(inout Path path, uint index, float end) {
+// Leaves the photons of the part of a ray between two distances, in the medium with this index: several where the light may
+// be focused.
+void deposit(inout Path path, uint index, float from, float to) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
     Medium medium = push.scene.media[index].at;
@@ -38,7 +39,7 @@ void deposit(inout Path path, uint index, float end) {
         at = min(at, LAST_PLACE);
         Photon photon;
         vec3 power;
-        photon.position = along(path.ray, flight_deposit(medium, path.power, end, count, channel, at, power));
+        photon.position = along(path.ray, from + flight_deposit(medium, path.power, to - from, count, channel, at, power));
         photon.direction = octahedral_pack(-path.ray.direction);
         photon.power = power;
         photon.normal = index;
@@ -48,35 +49,45 @@ void deposit(inout Path path, uint index, float end) {
     [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? count : 0u;
 }
 
-// Outcome of a stretch: the path reaches its end, or has been scattered and goes on along another ray, or ends.
+// Outcome of a flight: the path reaches its end, or has been scattered and goes on along another ray, or ends.
 const uint CROSSING_PASSES = 0u;
 const uint CROSSING_COLLIDES = 1u;
 const uint CROSSING_ABSORBED = 2u;
 
-// Crosses a stretch of length `end` in a stack of media, whose current medium scatters light. Aimed paths never collide: the
-// power of those that would is left out.
-uint cross_medium(inout Path path, uint media, float end) {
-    uint index = media_current(push.scene, media);
+// Follows the part of the ray between two distances, in the medium with this index, which scatters light; `media` are those
+// of the solids around it. Aimed paths never collide: the power of those that would is left out.
+uint cross_medium(inout Path path, uint media, uint index, float from, float to) {
     Medium medium = push.scene.media[index].at;
     uint event = path.bounce + path.collisions;
     // Shadow rays find light that comes straight from a light source.
-    if (IN_MEDIA && event > 0u) deposit(path, index, end);
+    if (IN_MEDIA && event > 0u) deposit(path, index, from, to);
     if (AIMED) {
-        path.power = photon_times(path.power, medium_transmittance(medium, end));
+        path.power = photon_times(path.power, stretch_transmittance(push.scene, index, path.ray, from, to));
         return CROSSING_PASSES;
     }
     uvec4 words = medium_words(path.numbers, DOMAIN_FLIGHT, 2u * event);
-    Flight flight = flight_sample(medium, path.power, end, unit_f32(words.x), unit_f32(words.y));
+    Flight flight = flight_sample(medium, path.power, to - from, unit_f32(words.x), unit_f32(words.y));
     if (flight.collides && !(unit_f32(words.z) < flight.albedo)) return CROSSING_ABSORBED;
     path.power = flight.power;
     if (!flight.collides) return CROSSING_PASSES;
     uvec4 turn = medium_words(path.numbers, DOMAIN_FLIGHT, 2u * event + 1u);
     vec3 direction = phase_sample(medium.anisotropy, path.ray.direction, unit_f32(turn.x), unit_f32(turn.y));
-    path.ray = Ray(along(path.ray, flight.distance), direction, NO_LIMIT);
+    path.ray = Ray(along(path.ray, from + flight.distance), direction, NO_LIMIT);
     path.media = media;
     path.specular_only = false;
     ++path.collisions;
     return CROSSING_COLLIDES;
+}
+
+// Follows the ray of a path through a stack of media up to the distance `end` of its next surface, NO_LIMIT without one.
+uint fly(inout Path path, uint media, float end) {
+    uint index = media_current(push.scene, media);
+    float to = end == NO_LIMIT ? FLIGHT_FAR : end;
+    if (medium_scatters(push.scene.media[index].at)) return cross_medium(path, media, index, 0.0, to);
+    if (may_attenuate(media)) {
+        path.power = photon_times(path.power, stretch_transmittance(push.scene, index, path.ray, 0.0, to));
+    }
+    return CROSSING_PASSES;
 }
 
 // Fate of a path after a collision, or FATE_NONE.
@@ -84,11 +95,8 @@ uint after_collision(uint collisions) { return collisions > FLIGHT_MAX_COLLISION
 
 // How a path that meets no surface ends, or FATE_NONE if it collides before it is too far away.
 uint leave_scene(inout Path path) {
-    if (!medium_scatters(media_medium(push.scene, path.media))) return FATE_ESCAPED;
-    vec3 power = path.power;
-    uint crossing = cross_medium(path, path.media, FLIGHT_FAR);
+    uint crossing = fly(path, path.media, NO_LIMIT);
     if (crossing == CROSSING_COLLIDES) return after_collision(path.collisions);
-    path.power = power;
     return crossing == CROSSING_ABSORBED ? FATE_ABSORBED : FATE_ESCAPED;
 }
 

@@ -13,6 +13,7 @@ mod map;
 mod scene;
 mod shading;
 mod stages;
+mod stretches;
 mod transport;
 
 pub use cpu::{Cpu, CpuBuffer};

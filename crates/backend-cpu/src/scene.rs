@@ -8,8 +8,8 @@ use photon_core::random::unit_f32;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, LightGroups, Material, MediaFeatures, Medium,
     MediumStack, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded,
-    SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, flight, interface, memory, offset,
-    radiance_scale, roughest_caustic, shadow_terminator,
+    SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, interface, memory, offset, radiance_scale,
+    roughest_caustic, shadow_terminator,
 };
 use photon_scene::AccelError;
 use rayon::prelude::*;
@@ -363,25 +363,16 @@ impl CpuScene {
         (index, &self.media[index as usize])
     }
 
-    /// Transmittance per channel after `distance` in `media`.
+    /// The medium with this index.
     #[inline]
-    pub(crate) fn transmittance(&self, media: MediumStack, distance: f32) -> Vec3 {
-        flight::transmittance(self.medium(media).1, distance)
+    pub(crate) fn medium_at(&self, index: u32) -> &Medium {
+        &self.media[index as usize]
     }
 
-    /// Whether `media` may absorb or scatter light.
+    /// Whether rays that start in `media` may cross a medium that absorbs or scatters light.
     #[inline]
     pub(crate) fn may_attenuate(&self, media: MediumStack) -> bool {
         media != MediumStack::VACUUM || self.is_ambient
-    }
-
-    /// As [`Self::transmittance`], but returns 1 immediately if nothing in the scene absorbs.
-    #[inline]
-    pub(crate) fn attenuation(&self, media: MediumStack, distance: f32) -> Vec3 {
-        if !self.features.contains(Features::ABSORPTION) || !self.may_attenuate(media) {
-            return Vec3::ONE;
-        }
-        self.transmittance(media, distance)
     }
 
     /// [`radiance_scale`] with the media of the scene.

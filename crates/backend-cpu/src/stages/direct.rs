@@ -165,7 +165,7 @@ fn irradiance<const SHADED: bool>(
             }
             if value != Vec3::ZERO && !occluded(&ray, low) {
                 // The segment is unoccluded, so all of it lies in the query's medium.
-                let value = value * scene.attenuation(MediumStack::from_bits(query.media), ray.t_max);
+                let value = value * scene.attenuation(&ray, ray.t_max, MediumStack::from_bits(query.media));
                 for c in 0..3 {
                     sum[c] += f64::from(value[c]) / share;
                 }

@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use photon_core::flight::FAR;
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::memory::{self, OutOfMemory};
@@ -264,8 +263,8 @@ impl Eye<'_> {
         };
         let Some((mut surface, hit)) = found else {
             if QUERIES == SEGMENTS {
-                let end = (FAR, path.ray.direction);
-                queries.extend(eye_segments::segment(self, path, path.media, end, number));
+                let end = (f32::INFINITY, path.ray.direction);
+                eye_segments::leave(self, path, path.media, end, (number, queries));
                 return None;
             }
             let is_hidden = self.hides_background && path.surfaces == 0;
@@ -314,10 +313,10 @@ impl Eye<'_> {
         let mut interface = self.scene.interface(&surface, path.media);
         if QUERIES == SEGMENTS {
             let end = (surface.t, -surface.normal);
-            queries.extend(eye_segments::segment(self, path, interface.before, end, number));
+            eye_segments::leave(self, path, interface.before, end, (number, queries));
             path.start = surface.normal;
         }
-        path.throughput *= self.scene.attenuation(interface.before, surface.t);
+        path.throughput *= self.scene.attenuation(&path.ray, surface.t, interface.before);
         if SHADED && self.scene.disperses {
             let word = || sampler(path.branch).wavelength(0);
             self.scene.disperse(&mut interface, &mut path.wavelength, &mut path.throughput, word);

@@ -184,7 +184,7 @@ impl Eye<'_> {
         }
         let share = share as f32 * side.probability;
         let weight = balance(sampled.pdf * share, found.pdf);
-        Some(value * scene.attenuation(side.media, sampled.ray.t_max) * (weight / share))
+        Some(value * scene.attenuation(&sampled.ray, sampled.ray.t_max, side.media) * (weight / share))
     }
 
     /// Leaves a query at a glossy surface, and continues the path by its reflection; or, where the path has split as often

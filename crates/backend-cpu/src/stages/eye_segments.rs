@@ -2,29 +2,34 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SEGMENTS, Domain, Sampler, unit_f32};
-use photon_core::{MediumStack, QUERIES_PER_PIXEL, Query, RandomKind, Segment, flight};
+use photon_core::{MediumStack, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Segment};
 
 use super::eye::{Eye, Path};
+use crate::stretches::Stretch;
 
-/// The segment of a path in `media` up to the distance `end`, where there is a plane with this normal; `None` if nothing is
-/// scattered there.
+/// Leaves the segments of a path in `media` up to the distance `end`, where there is a plane with this normal: one for each
+/// stretch in which light is scattered.
 #[inline]
-pub(super) fn segment(
+pub(super) fn leave(
     eye: &Eye<'_>,
     path: &Path,
     media: MediumStack,
-    (length, end): (f32, Vec3),
-    pixel: u32,
-) -> Option<Query> {
-    let (_, medium) = eye.scene.medium(media);
-    if !medium.scatters() || !(length > 0.0) || path.throughput == Vec3::ZERO {
-        return None;
-    }
-    let (origin, direction) = (path.ray.origin, path.ray.direction);
-    let camera = MediumStack::from_bits(eye.view.camera.media);
-    let throughput = path.throughput * eye.scene.radiance_scale(camera, media, path.wavelength);
+    (end, plane): (f32, Vec3),
+    (pixel, queries): (u32, &mut Vec<Query>),
+) {
+    let (scene, direction) = (eye.scene, path.ray.direction);
     let start = if path.start.dot(direction) < 0.0 { -path.start } else { path.start };
-    Some(Segment { origin, direction, length, planes: [start, end], media, throughput }.query(pixel, 0))
+    let camera = MediumStack::from_bits(eye.view.camera.media);
+    for stretch in scene.stretches(&path.ray, end, media) {
+        let length = stretch.to - stretch.from;
+        if !scene.medium_at(stretch.medium).scatters() || !(length > 0.0) || path.throughput == Vec3::ZERO {
+            continue;
+        }
+        let throughput = path.throughput * scene.radiance_scale(camera, media, path.wavelength);
+        let origin = path.ray.origin + direction * stretch.from;
+        let planes = [start, plane];
+        queries.push(Segment { origin, direction, length, planes, media, throughput }.query(pixel, 0));
+    }
 }
 
 /// Leaves at most [`Eye::most_segments`] of the segments of a pixel, those from `first` on: of the last and all that come
@@ -60,12 +65,19 @@ pub(super) fn limit(eye: &Eye<'_>, pixel: u32, segments: &mut Vec<Query>, first:
 /// Light that a segment scatters into the pixel, if all of it arrives evenly.
 fn weight(eye: &Eye<'_>, query: &Query) -> f32 {
     let segment = Segment::of(query);
-    let (_, medium) = eye.scene.medium(segment.media);
+    let (index, medium) = eye.scene.medium(segment.media);
     let (extinction, scattering) = (medium.extinction(), Vec3::from(medium.scattering));
-    let lost = Vec3::ONE - flight::transmittance(medium, segment.length);
+    let (ray, whole) = along(&segment, index);
+    let lost = Vec3::ONE - eye.scene.stretch_transmittance(&ray, &whole);
     // For small depths the limit.
     let share = |c: usize| {
         if lost[c] > 1e-3 { scattering[c] * lost[c] / extinction[c] } else { scattering[c] * segment.length }
     };
     (0..3).map(|c| segment.throughput[c] * share(c)).sum()
+}
+
+/// A segment as a ray and the whole of it, in the medium with this index.
+fn along(segment: &Segment, medium: u32) -> (Ray, Stretch) {
+    let ray = Ray { origin: segment.origin, direction: segment.direction, t_max: segment.length };
+    (ray, Stretch { from: 0.0, to: segment.length, medium })
 }

@@ -216,7 +216,7 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
             }
         }
         let mut interface = scene.interface(&surface, media);
-        throughput *= scene.attenuation(interface.before, surface.t);
+        throughput *= scene.attenuation(&ray, surface.t, interface.before);
         if SHADED && scene.disperses {
             scene.disperse(&mut interface, &mut wavelength, &mut throughput, || sampler.wavelength(index));
         }

@@ -1,7 +1,6 @@
 //! Light of light sources that is scattered once along segments, found by shadow rays.
 
 use photon_core::equiangular::{Equiangular, exponential, exponential_density};
-use photon_core::flight;
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::LightSampler;
 use photon_core::random::{BLOCK_SEGMENTS, Domain, Sampler, unit_f32};
@@ -13,6 +12,7 @@ use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
 use crate::stages::light_sample::intensity;
+use crate::stretches::Stretch;
 
 /// Traces shadow rays from places on segments to points on the lights.
 #[derive(Debug)]
@@ -88,7 +88,7 @@ fn from_light(
     alpha: impl FnOnce() -> u32,
 ) -> Vec3 {
     let Some(Emitter { at, normal, barycentric }) = Emitter::sample(scene, light, point) else { return Vec3::ZERO };
-    let (_, medium) = scene.medium(segment.media);
+    let (index, medium) = scene.medium(segment.media);
     let extinction = medium.extinction();
     let mean = extinction.element_sum() / 3.0;
     let angles = Equiangular::new(segment.origin, segment.direction, segment.length, at);
@@ -122,8 +122,9 @@ fn from_light(
         return Vec3::ZERO;
     }
     let phase = phase::value(medium.anisotropy, ray.direction.dot(segment.direction));
-    // The shadow ray meets no surface, so that all of it lies in the same medium.
-    let passes = flight::transmittance(medium, distance + far);
+    let seen = Ray { origin: segment.origin, direction: segment.direction, t_max: distance };
+    let part = Stretch { from: 0.0, to: distance, medium: index };
+    let passes = scene.stretch_transmittance(&seen, &part) * scene.transmittance(&ray, far, segment.media);
     intensity * Vec3::from(medium.scattering) * passes * (phase / (squared * density))
 }
 

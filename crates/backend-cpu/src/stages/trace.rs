@@ -4,7 +4,7 @@ mod kernel;
 mod medium;
 mod scheduling;
 
-use photon_core::flight::{FAR, MAX_COLLISIONS};
+use photon_core::flight::MAX_COLLISIONS;
 use photon_core::glam::Vec3;
 use photon_core::memory::{self, OutOfMemory};
 use photon_core::photon_sample::{Arriving, GlossyLobe, PhotonSample};
@@ -17,7 +17,7 @@ use photon_core::{
 };
 
 use self::kernel::{AIMED, BATCHED, NESTED, REFLECTED, REFLECTIONS, SCATTERING, SCATTERS, SHADED, kernel};
-use self::medium::{Crossing, MediumWalk, Stretch};
+use self::medium::{Crossing, Flown, MediumWalk};
 use self::scheduling::{share_dynamically, share_statically};
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
@@ -268,21 +268,20 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         let (mut surface, hit) = match found {
             Ok(Some(found)) => found,
             Ok(None) => {
-                let (_, medium) = scene.medium(media);
-                if scatters && medium.scatters() {
+                if scatters {
                     let target = walk.in_media.then_some(&mut output.photons);
-                    let stretch = Stretch { ray, end: FAR, media, bounce, specular_only };
-                    match in_medium.cross(walk, &stretch, &mut power, target) {
-                        Crossing::Absorbed => return tally.end(Fate::Absorbed, flux),
-                        Crossing::Passes => return tally.end(Fate::Escaped, flux),
-                        Crossing::Collides(next) => {
-                            (ray, specular_only) = (next, false);
-                            carry(power, &mut flux, tally);
-                            if in_medium.collisions > MAX_COLLISIONS {
-                                break;
-                            }
-                            continue;
+                    let flown = Flown { ray, end: f32::INFINITY, media, bounce, specular_only };
+                    let crossing = in_medium.fly(walk, &flown, &mut power, target);
+                    if matches!(crossing, Crossing::Absorbed) {
+                        return tally.end(Fate::Absorbed, flux);
+                    }
+                    carry(power, &mut flux, tally);
+                    if let Crossing::Collides(next) = crossing {
+                        (ray, specular_only) = (next, false);
+                        if in_medium.collisions > MAX_COLLISIONS {
+                            break;
                         }
+                        continue;
                     }
                 }
                 return tally.end(Fate::Escaped, flux);
@@ -306,10 +305,10 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             }
         }
         let mut interface = scene.interface_by(&surface, media, nested);
-        if scatters && scene.medium(interface.before).1.scatters() {
+        if scatters {
             let target = walk.in_media.then_some(&mut output.photons);
-            let stretch = Stretch { ray, end: surface.t, media: interface.before, bounce, specular_only };
-            let crossing = in_medium.cross(walk, &stretch, &mut power, target);
+            let flown = Flown { ray, end: surface.t, media: interface.before, bounce, specular_only };
+            let crossing = in_medium.fly(walk, &flown, &mut power, target);
             if matches!(crossing, Crossing::Absorbed) {
                 return tally.end(Fate::Absorbed, flux);
             }
@@ -322,7 +321,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 continue;
             }
         } else if features.contains(Features::ABSORPTION) && scene.may_attenuate(interface.before) {
-            power *= scene.transmittance(interface.before, surface.t);
+            power *= scene.transmittance(&ray, surface.t, interface.before);
             carry(power, &mut flux, tally);
         }
         if disperses {

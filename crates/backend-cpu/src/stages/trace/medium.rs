@@ -6,6 +6,7 @@ use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{MapKind, MediumStack, Pass, PerMap, Photon, RandomKind, Ray, octahedral, phase};
 
 use super::{PhotonList, Walk};
+use crate::stretches::Stretch;
 
 /// Bit of the blocks of aimed paths, whose numbers may be those of other paths.
 const AIMED_BLOCKS: u32 = 1 << 31;
@@ -13,9 +14,11 @@ const AIMED_BLOCKS: u32 = 1 << 31;
 /// Largest number below 1.
 const LAST_PLACE: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// A part of a path between two surfaces, in one medium.
-pub(super) struct Stretch {
+/// A ray of a path up to its next surface.
+#[derive(Clone, Copy)]
+pub(super) struct Flown {
     pub(super) ray: Ray,
+    /// Distance of the surface; infinite without one.
     pub(super) end: f32,
     pub(super) media: MediumStack,
     /// Number of surfaces before.
@@ -23,7 +26,7 @@ pub(super) struct Stretch {
     pub(super) specular_only: bool,
 }
 
-/// Outcome of a stretch.
+/// Outcome of a flight.
 pub(super) enum Crossing {
     /// It reaches the end.
     Passes,
@@ -49,32 +52,54 @@ impl MediumWalk {
         Self { flights: sampler(Domain::Flight), deposits: sampler(Domain::Deposit), is_aimed, collisions: 0 }
     }
 
-    /// Crosses a stretch: changes `power` to what goes on, and leaves photons in `photons`. Aimed paths never collide: the power
-    /// of those that would is left out.
+    /// Follows a ray through its media: changes `power` to what goes on, and leaves photons in `photons`. Aimed paths never
+    /// collide: the power of those that would is left out.
     #[inline(never)]
-    pub(super) fn cross(
+    pub(super) fn fly(
         &mut self,
         walk: &Walk<'_>,
-        stretch: &Stretch,
+        flown: &Flown,
+        power: &mut Vec3,
+        mut photons: Option<&mut PerMap<PhotonList>>,
+    ) -> Crossing {
+        for stretch in walk.scene.stretches(&flown.ray, flown.end, flown.media) {
+            let medium = walk.scene.medium_at(stretch.medium);
+            if medium.scatters() {
+                match self.cross(walk, (flown, &stretch), power, photons.as_deref_mut()) {
+                    Crossing::Passes => {}
+                    ends => return ends,
+                }
+            } else if medium.attenuates() {
+                *power *= walk.scene.stretch_transmittance(&flown.ray, &stretch);
+            }
+        }
+        Crossing::Passes
+    }
+
+    /// As [`Self::fly`], through a stretch of the ray whose medium scatters light.
+    fn cross(
+        &mut self,
+        walk: &Walk<'_>,
+        (flown, stretch): (&Flown, &Stretch),
         power: &mut Vec3,
         photons: Option<&mut PerMap<PhotonList>>,
     ) -> Crossing {
-        let Stretch { ray, end, bounce, specular_only, .. } = *stretch;
+        let Flown { ray, bounce, specular_only, .. } = *flown;
         let event = bounce + self.collisions;
         // Shadow rays find light that comes straight from a light source.
         if let Some(photons) = photons.filter(|_| event > 0) {
             let kind = MapKind::of_path(specular_only, bounce);
             if walk.wanted[kind] {
-                self.deposit(walk, stretch, *power, &mut photons[kind]);
+                self.deposit(walk, (flown, stretch), *power, &mut photons[kind]);
             }
         }
-        let (_, medium) = walk.scene.medium(stretch.media);
         if self.is_aimed {
-            *power *= flight::transmittance(medium, end);
+            *power *= walk.scene.stretch_transmittance(&ray, stretch);
             return Crossing::Passes;
         }
+        let medium = walk.scene.medium_at(stretch.medium);
         let [channel, length, roulette, _] = self.flights.words(2 * event);
-        let found = match flight::sample(medium, *power, end, [channel, length].map(unit_f32)) {
+        let found = match flight::sample(medium, *power, stretch.to - stretch.from, [channel, length].map(unit_f32)) {
             Flight::Passes(left) => {
                 *power = left;
                 return Crossing::Passes;
@@ -88,23 +113,30 @@ impl MediumWalk {
         let [u, v, ..] = self.flights.words(2 * event + 1);
         let direction = phase::sample(medium.anisotropy, ray.direction, [u, v].map(unit_f32));
         self.collisions += 1;
-        Crossing::Collides(Ray { origin: ray.origin + ray.direction * found.distance, direction, t_max: f32::INFINITY })
+        let origin = ray.origin + ray.direction * (stretch.from + found.distance);
+        Crossing::Collides(Ray { origin, direction, t_max: f32::INFINITY })
     }
 
     /// Leaves the photons of a stretch: several where the light may be focused.
-    fn deposit(&mut self, walk: &Walk<'_>, stretch: &Stretch, power: Vec3, photons: &mut PhotonList) {
-        let Stretch { ray, end, bounce, specular_only, media } = *stretch;
-        let (index, medium) = walk.scene.medium(media);
+    fn deposit(
+        &mut self,
+        walk: &Walk<'_>,
+        (flown, stretch): (&Flown, &Stretch),
+        power: Vec3,
+        photons: &mut PhotonList,
+    ) {
+        let Flown { ray, bounce, specular_only, .. } = *flown;
+        let medium = walk.scene.medium_at(stretch.medium);
         let count = if specular_only { FOCUSED_DEPOSITS } else { 1 };
         let block = bounce + self.collisions + if self.is_aimed { AIMED_BLOCKS } else { 0 };
         let [channel, place, ..] = self.deposits.words(block).map(unit_f32);
         for number in 0..count {
             // Rounding may give 1, which is infinitely far in a dense medium.
             let place = ((number as f32 + place) / count as f32).min(LAST_PLACE);
-            let (distance, left) = flight::deposit(medium, power, end, count, [channel, place]);
+            let (distance, left) = flight::deposit(medium, power, stretch.to - stretch.from, count, [channel, place]);
             photons.push(Photon {
-                position: (ray.origin + ray.direction * distance).into(),
-                normal: index,
+                position: (ray.origin + ray.direction * (stretch.from + distance)).into(),
+                normal: stretch.medium,
                 power: left.into(),
                 direction: octahedral::pack(-ray.direction),
             });

@@ -105,7 +105,7 @@ class PhotonMap:
 
         From the `k` nearest photons, of which the farthest only sets the radius (Jensen 2001), from all within `radius`, or
         from the k nearest within it. Photons count if the cosine between their normal and that of the point is at least
-        `min_normal_cosine`. `kernel`: "constant", "epanechnikov", "biweight" or "cone:SLOPE".
+        `min_normal_cosine`. `kernel`: "constant" or "epanechnikov".
         """
         flat = _vectors("x", x)
         try:

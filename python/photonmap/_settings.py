@@ -17,7 +17,7 @@ class Settings:
     """Settings of a render: those that are given, and the defaults of the others. Immutable.
 
     Names are those of the fields of the library, and choices those of the program's options: `photons=200_000`,
-    `indirect="gather"`, `kernel="cone:1.1"`, `estimator={"knn": {"k": 50}}`. `preset`: "preview", "balanced" or "final", for
+    `indirect="gather"`, `kernel="constant"`, `estimator={"knn": {"k": 50}}`. `preset`: "preview", "balanced" or "final", for
     a picture of `size`. An unknown name or a value out of range is an `InputError` that names it.
     """
 

@@ -337,8 +337,8 @@ def test_bad_input_is_named(call, words):
 
 
 def test_settings():
-    settings = pm.Settings(photons=np.int64(5000), estimator={"knn": {"k": 9}}, kernel="cone:1.5")
-    assert settings.photons == 5000 and settings.kernel == "cone:1.5" and settings.alpha == pm.Settings().alpha
+    settings = pm.Settings(photons=np.int64(5000), estimator={"knn": {"k": 9}}, kernel="constant")
+    assert settings.photons == 5000 and settings.kernel == "constant" and settings.alpha == pm.Settings().alpha
     again = pickle.loads(pickle.dumps(settings))
     assert again == settings and hash(again) == hash(settings) and again != settings.replace(seed=1)
     assert "photons=5000" in repr(settings) and "alpha" not in repr(settings)
@@ -350,7 +350,7 @@ def test_settings():
     with pytest.raises(AttributeError, match="replace"):
         settings.photons = 3
     film = pm.render("cornell", settings=settings, **QUICK)
-    expected = pm.render("cornell", estimator={"knn": {"k": 9}}, kernel="cone:1.5", **QUICK)
+    expected = pm.render("cornell", estimator={"knn": {"k": 9}}, kernel="constant", **QUICK)
     np.testing.assert_array_equal(film.beauty, expected.beauty)
     assert (film.beauty != pm.render("cornell", **QUICK).beauty).any()
 

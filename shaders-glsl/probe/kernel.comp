@@ -11,5 +11,5 @@ layout(local_size_x_id = 1) in;
 #include "shading/kernel.glsl"
 
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
-    return floats(vec4(kernel_weight(words.a.x, a.y, a.z), 0.0, 0.0, 0.0), vec4(0.0));
+    return floats(vec4(kernel_weight(words.a.x, a.z), 0.0, 0.0, 0.0), vec4(0.0));
 }

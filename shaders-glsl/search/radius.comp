@@ -55,7 +55,6 @@ shared vec3 directions[SHADING != 0 ? TILES * TILE_POINTS : 1];
 Slots positions;
 Fluxes fluxes;
 float min_cosine;
-float parameter;
 
 vec3 at, normal;
 // The shading normal, if `SHADING`.
@@ -118,11 +117,11 @@ void add(uint place, inout vec3 sum) {
         bvec2 flat_enough = FLAT != 0 ? bvec2(!(off > flat_most), !(off > 0.70710678 * flat_most)) : bvec2(true);
         if (near) {
             error_moments_add(
-                KERNEL, parameter, point - at, normal, power_of(place), d2, d2 * scale, same, flat_enough, sum, photons);
+                KERNEL, point - at, normal, power_of(place), d2, d2 * scale, same, flat_enough, sum, photons);
         }
     } else if (floatBitsToUint(d2) < limit && (FILTER == 0 || dot3(normals[place], normal) >= min_cosine)
         && (FLAT == 0 || !(off > flat_most))) {
-        sum += power_of(place) * kernel_weight(KERNEL, parameter, min(d2 * scale, 1.0));
+        sum += power_of(place) * kernel_weight(KERNEL, min(d2 * scale, 1.0));
         photons++;
     }
 }
@@ -157,7 +156,6 @@ void main() {
     positions = push.positions;
     fluxes = push.power;
     min_cosine = push.min_cosine;
-    parameter = push.parameter;
     uvec2 own;
     if (!own_queries(own) || (TURNS != 0 && !pause_open())) return;
     uint place = own.x + gl_SubgroupInvocationID;

@@ -52,16 +52,16 @@ void error_moments_eight_end() {
 // for the narrow one. Adds the photon's contribution to the estimate itself to `sum` and `photons`. No early
 // return: on some devices the subgroup would not reconverge.
 void error_moments_add(
-    uint kernel, float slope, vec3 offset, vec3 normal, vec3 power, float d2, float u, bool same, bvec2 flat_enough,
+    uint kernel, vec3 offset, vec3 normal, vec3 power, float d2, float u, bool same, bvec2 flat_enough,
     inout vec3 sum, inout uint photons) {
     float mean = (power.x + power.y + power.z) * (1.0 / 3.0);
     if (same) {
         if (floatBitsToUint(d2) < error_moments_inner && flat_enough.x) {
-            sum += power * kernel_weight(kernel, slope, min(u, 1.0));
+            sum += power * kernel_weight(kernel, min(u, 1.0));
             photons++;
-            if (2.0 * u <= 1.0 && flat_enough.y) eight_narrow += power * kernel_weight(kernel, slope, 2.0 * u);
+            if (2.0 * u <= 1.0 && flat_enough.y) eight_narrow += power * kernel_weight(kernel, 2.0 * u);
         }
-        eight_wide += power * kernel_weight(kernel, slope, min(0.5 * u, 1.0));
+        eight_wide += power * kernel_weight(kernel, min(0.5 * u, 1.0));
         vec3 scaled = offset * error_moments_reach;
         float x = dot3(scaled, error_moments_tangent), y = dot3(scaled, error_moments_bitangent);
         eight_power += vec3(mean, mean * mean, abs(dot3(scaled, normal)) > ERROR_MOMENTS_OFF_PLANE ? mean : 0.0);

@@ -51,7 +51,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     // For k-NN rows and counts: the radius; otherwise a factor on each query's radius.
     float radius;
     float min_cosine;
-    // The cone's slope, or the factor of the paper's filter.
+    // Factor of the paper's filter.
     float parameter;
     // Of the paper's estimate: the minimum number of photons.
     uint threshold;

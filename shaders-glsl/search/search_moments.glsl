@@ -1,7 +1,7 @@
 // Sums over the k nearest photons, for weights that depend on the distance of the k-th, which is known last.
 //
-// Every kernel is a polynomial in the distance: powers are summed times 1, u and u² (or √u for the cone), with
-// u = d² over the upper end of the range that contains the k-th.
+// Every kernel is linear in the squared distance: powers are summed times 1 and u, d² over the upper end of the range that
+// contains the k-th.
 #ifndef SEARCH_MOMENTS_GLSL
 #define SEARCH_MOMENTS_GLSL
 
@@ -9,8 +9,8 @@
 // the bins.
 uint sure, open;
 // Sums over a few points, and over all.
-vec3 part0, part1, part2;
-Sum sum0, sum1, sum2;
+vec3 part0, part1;
+Sum sum0, sum1;
 float per_high;
 // Index of the row for ids: rows are in processing order.
 uint row;
@@ -18,8 +18,8 @@ uint row;
 void moments_begin(uint place) {
     sure = 0;
     open = 0;
-    part0 = part1 = part2 = vec3(0.0);
-    sum0 = sum1 = sum2 = NOTHING;
+    part0 = part1 = vec3(0.0);
+    sum0 = sum1 = NOTHING;
     float high = uintBitsToFloat(high_bits);
     per_high = high > 1.0e-30 && high < 1.0e30 ? 1.0 / high : 0.0;
     row = place - push.first;
@@ -31,23 +31,19 @@ void moments_keep() {
     keep(open);
     sum_keep(sum0);
     sum_keep(sum1);
-    sum_keep(sum2);
     keep(per_high);
 }
 
 void moments_add(vec3 power, float d2) {
     part0 += power;
     float u = d2 * per_high;
-    if (KERNEL == KERNEL_EPANECHNIKOV || KERNEL == KERNEL_BIWEIGHT) part1 += power * u;
-    if (KERNEL == KERNEL_CONE) part1 += power * sqrt(u);
-    if (KERNEL == KERNEL_BIWEIGHT) part2 += power * (u * u);
+    if (KERNEL == KERNEL_EPANECHNIKOV) part1 += power * u;
 }
 
 void moments_part_end() {
     sum_add(sum0, part0);
     if (KERNEL != KERNEL_CONSTANT) sum_add(sum1, part1);
-    if (KERNEL == KERNEL_BIWEIGHT) sum_add(sum2, part2);
-    part0 = part1 = part2 = vec3(0.0);
+    part0 = part1 = vec3(0.0);
 }
 
 // Rows beyond k occur only if an edge was misplaced by rounding, and are collected again.
@@ -137,15 +133,7 @@ Estimate estimate(bool full, float reach) {
     vec3 flux = sum0.total - sum0.excess;
     if (MODE == DENSITY && KERNEL != KERNEL_CONSTANT) {
         vec3 first = sum1.total - sum1.excess;
-        if (KERNEL == KERNEL_EPANECHNIKOV) flux = 2.0 * (flux - ratio * first);
-        if (KERNEL == KERNEL_CONE) {
-            float slope = push.parameter;
-            flux = (slope / (slope - 0.6666667)) * (flux - sqrt(ratio) / slope * first);
-        }
-        if (KERNEL == KERNEL_BIWEIGHT) {
-            vec3 second = sum2.total - sum2.excess;
-            flux = 3.0 * (flux - 2.0 * ratio * first + ratio * ratio * second);
-        }
+        flux = 2.0 * (flux - ratio * first);
         // Weights are not negative, but differences of nearly equal sums may be.
         flux = max(flux, vec3(0.0));
     }

@@ -35,7 +35,6 @@ shared vec3 directions[TILES * TILE_POINTS];
 // Parameters that every photon needs.
 Slots positions;
 Fluxes fluxes;
-float parameter;
 
 // Start of the segment, and one more than the bits of the squared radius; 0 without one.
 vec3 at;
@@ -68,7 +67,7 @@ void add(uint place, inout vec3 sum) {
     float d2 = squared(beside);
     if (floatBitsToUint(d2) >= limit || foot < range.x || foot > range.y) return;
     if (staged[place].w != index_of_medium || !segment_contains(segment, gap)) return;
-    float weight = kernel_weight(KERNEL, parameter, min(d2 * scale, 1.0))
+    float weight = kernel_weight(KERNEL, min(d2 * scale, 1.0))
         * phase_value(anisotropy, dot3(directions[place], segment.direction));
     sum += powers[place] * weight * exp_neg3(extinction * max(foot, 0.0));
     photons++;
@@ -122,7 +121,6 @@ void main() {
     }
     positions = push.positions;
     fluxes = push.power;
-    parameter = push.parameter;
     uvec2 own;
     if (!own_queries(own) || (TURNS != 0 && !pause_open())) return;
     uint index = own.x + gl_SubgroupInvocationID;

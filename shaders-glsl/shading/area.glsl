@@ -9,14 +9,12 @@ float area_spoke_turns(uint spoke, float random) {
     return (float(spoke) + random) * (1.0 / float(AREA_SPOKES));
 }
 
-// Distance from the query in radii, and weight.
-vec2 area_probe(uint kernel, float slope, uint spoke, uint ring, float random) {
+// Distance of a probe of a spoke from the query, in radii, for another random number; their density is the kernel's.
+float area_probe(uint kernel, uint spoke, uint ring, float random) {
     float shift = fract(random + float(spoke) * 0.618034);
     float share = min((float(ring) + shift) * (1.0 / float(AREA_RINGS)), 1.0 - 1.1920929e-7);
-    float rest = sqrt(1.0 - share);
-    if (kernel == KERNEL_EPANECHNIKOV) return vec2(sqrt(max(1.0 - rest, 0.0)), 1.0);
-    if (kernel == KERNEL_BIWEIGHT) return vec2(sqrt(max(1.0 - rest, 0.0)), rest);
-    return vec2(sqrt(share), kernel_weight(kernel, slope, share));
+    // The radius within which the kernel has this share of its weight.
+    return sqrt(kernel == KERNEL_CONSTANT ? share : max(1.0 - sqrt(1.0 - share), 0.0));
 }
 
 // Distance of the probe of a spoke that is only for the second radius, in radii.
@@ -26,13 +24,12 @@ float area_outer_distance(uint spoke, float random) {
 }
 
 // Weights of a probe for √2 of the radius, and for 1/√2 of it.
-vec2 area_second_weights(uint kernel, float slope, float away) {
+vec2 area_second_weights(uint kernel, float away) {
     float square = away * away;
-    bool falls = kernel == KERNEL_EPANECHNIKOV || kernel == KERNEL_BIWEIGHT;
-    float inner = square < 1.0 ? float(AREA_RINGS) * (falls ? 2.0 * (1.0 - square) : 1.0) : 0.0;
+    float inner = square < 1.0 ? float(AREA_RINGS) * kernel_weight(kernel, square) : 0.0;
     float outer = square >= AREA_OUTER ? 1.0 / (2.0 - AREA_OUTER) : 0.0;
-    float wide = kernel_weight(kernel, slope, min(0.5 * square, 1.0)) / (inner + outer);
-    return vec2(wide, square < 0.5 ? kernel_weight(kernel, slope, 2.0 * square) / inner : 0.0);
+    float wide = kernel_weight(kernel, min(0.5 * square, 1.0)) / (inner + outer);
+    return vec2(wide, square < 0.5 ? kernel_weight(kernel, 2.0 * square) / inner : 0.0);
 }
 
 float area_share(float found, float all) {

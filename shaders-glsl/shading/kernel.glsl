@@ -4,23 +4,11 @@
 
 #include "shading/constants.glsl"
 
-// The weight at `u`, squared distance over squared radius. `slope` is that of the cone kernel.
-float kernel_weight(uint kernel, float slope, float u) {
-    switch (kernel) {
-        case KERNEL_EPANECHNIKOV: {
-            precise float weight = 2.0 * (1.0 - u);
-            return weight;
-        }
-        case KERNEL_CONE: {
-            precise float weight = (1.0 - sqrt(u) / slope) * (slope / (slope - 0.6666667));
-            return weight;
-        }
-        case KERNEL_BIWEIGHT: {
-            precise float weight = 3.0 * (1.0 - u) * (1.0 - u);
-            return weight;
-        }
-        default: return 1.0;
-    }
+// The weight at `u`, squared distance over squared radius.
+float kernel_weight(uint kernel, float u) {
+    if (kernel == KERNEL_CONSTANT) return 1.0;
+    precise float weight = 2.0 * (1.0 - u);
+    return weight;
 }
 
 #endif

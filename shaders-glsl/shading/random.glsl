@@ -3,7 +3,6 @@
 #define RANDOM_GLSL
 
 #include "shading/constants.glsl"
-#include "shading/sobol.glsl"
 
 // Philox4x32-10.
 uvec4 philox4x32(uvec4 counter, uvec2 key) {
@@ -52,17 +51,10 @@ Sampler sampler_new(uint kind, uvec2 seed, uint pass, uint domain, uint path) {
 
 // Four random words: those of block `block`, or the next four of the LCG.
 uvec4 sampler_words(inout Sampler s, uint block) {
-    uvec4 words;
     if (s.kind != RANDOM_LCG) {
-        words = philox4x32(uvec4(s.path, block, s.pass, s.domain), s.key);
-        if (s.kind != RANDOM_SOBOL || block > BLOCK_START) return words;
-        uvec4 seeds = philox4x32(uvec4(0xFFFFFFFFu, block, s.pass, s.domain), s.key);
-        bool start = block == BLOCK_START;
-        words.x = sobol_scramble(sobol(s.path, start ? 0u : 4u), seeds.x);
-        words.y = sobol_scramble(sobol(s.path, start ? 1u : 2u), seeds.y);
-        if (!start) words.z = sobol_scramble(sobol(s.path, 3u), seeds.z);
-        return words;
+        return philox4x32(uvec4(s.path, block, s.pass, s.domain), s.key);
     }
+    uvec4 words;
     for (uint i = 0u; i < 4u; ++i) {
         s.state = lcg(s.state);
         words[i] = s.state << 1;

@@ -43,8 +43,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     uint pass;
     uint start;
     float min_cosine;
-    // The cone kernel's slope.
-    float slope;
     // Maximum distance of photons from a query's plane, in radii.
     float max_plane_distance;
 };
@@ -102,16 +100,16 @@ void main() {
         bool whole = false;
         for (uint left = AREA_RINGS + SECOND; left > 0; left--) {
             uint ring = left - 1;
-            vec2 probe = ring < AREA_RINGS ? area_probe(KERNEL, push.slope, spoke, ring, shift)
-                                           : vec2(area_outer_distance(spoke, shift), 0.0);
-            vec3 weights = vec3(probe.y, 0.0, 0.0);
-            if (SECOND != 0) weights.yz = area_second_weights(KERNEL, push.slope, probe.x);
+            bool outer = ring == AREA_RINGS;
+            float distance = outer ? area_outer_distance(spoke, shift) : area_probe(KERNEL, spoke, ring, shift);
+            vec3 weights = vec3(outer ? 0.0 : 1.0, 0.0, 0.0);
+            if (SECOND != 0) weights.yz = area_second_weights(KERNEL, distance);
             all += weights;
             if (whole) {
                 found += weights;
                 continue;
             }
-            float away = probe.x * radius;
+            float away = distance * radius;
             if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
             Material material = push.scene.materials[at.material].at;
             bool keeps = REFLECTIONS ? material.kind == MATERIAL_GLOSSY : material_stores_photons(material);

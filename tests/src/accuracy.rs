@@ -1,14 +1,14 @@
 //! Confidence intervals of a film, checked against analytic fields and rendered scenes.
 
 use photon_core::{
-    Backend, Budget, ConfidenceInterval, ErrorMoments, EstimateParams, Flags, IndexKind, Kernel, Photon, Plan,
-    RandomKind, Search, Settings, render,
+    Backend, Budget, ConfidenceInterval, ErrorMoments, EstimateParams, Flags, IndexKind, Kernel, Photon, Plan, Search,
+    Settings, render,
 };
 use photon_scene::builtin;
 
 use crate::fields::{BROKEN, EDGES, Field, SMOOTH, Trial, film_of, judge};
-use crate::harness::{TestBackend, estimate, film, per_pass, photon_at, query_at, renderer};
-use crate::stats::{SIGMAS, assert_agrees, moments};
+use crate::harness::{TestBackend, estimate, film, photon_at, query_at, renderer};
+use crate::stats::SIGMAS;
 
 fn field_film<T: TestBackend>(field: &Field, passes: u32, alpha: f64, seed: u64) -> photon_core::Film {
     film_of(&mut T::make(2), field, &Trial { passes, alpha, side: 16, seed }).unwrap()
@@ -174,28 +174,6 @@ pub fn e6_gathered_light_is_claimed<T: TestBackend>() {
     // Beyond edges there are no photons, so larger radii collect less light and the image is too dark.
     let (bias, value) = (mean(&|interval| interval.bias, &intervals), mean(&|interval| interval.value, &intervals));
     assert!(bias < -0.002 * value && bias > -0.2 * value, "{bias} of {value}");
-}
-
-/// Photons emitted with Sobol's sequence have the same mean with less noise: the image mean, pass by pass, of a
-/// sphere around a light. The ratio of two variances of 24 passes exceeds 2.7 by chance in one of a hundred cases.
-pub fn e7_sobol_is_the_same_light_with_less_noise<T: TestBackend>() {
-    let scene = builtin("integrating-sphere").unwrap().build().unwrap();
-    let passes = |random| {
-        let settings = Settings {
-            photons: 4_000,
-            direct: photon_core::Direct::Photons,
-            indirect: photon_core::Indirect::None,
-            estimator: photon_core::Estimator::Radius { radius: Some(0.1) },
-            alpha: 1.0,
-            random,
-            ..Settings::default()
-        };
-        per_pass::<T>(&scene, &settings, 24, 8)
-    };
-    let (counter, sobol) = (passes(RandomKind::Counter), passes(RandomKind::Sobol));
-    let ((a, va), (b, vb)) = (moments(&counter), moments(&sobol));
-    assert_agrees("mean", b, a, ((va + vb) / 24.0).sqrt(), 0.0);
-    assert!(vb * 2.7 < va, "variance {vb:e} instead of {va:e}");
 }
 
 /// A render with an error target stops by itself, near the number of passes that the pilot predicted, and its

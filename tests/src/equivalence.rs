@@ -72,7 +72,7 @@ pub fn photons_leave_alike<A: TestBackend, B: TestBackend>() {
         for (random, projection) in [
             (RandomKind::Counter, None),
             (RandomKind::Counter, Some(&projection)),
-            (RandomKind::Sobol, Some(&projection)),
+            (RandomKind::Lcg, Some(&projection)),
         ] {
             if projection.is_some_and(ProjectionMap::is_empty) {
                 continue;
@@ -161,8 +161,6 @@ pub fn tallies_agree<A: TestBackend, B: TestBackend>() {
     }
 }
 
-const KERNELS: [Kernel; 4] = [Kernel::Constant, Kernel::Epanechnikov, Kernel::Cone { slope: 1.1 }, Kernel::Biweight];
-
 /// One backend's photons in the other: the same neighbours, and the same sums up to rounding.
 pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>() {
     let scene = builtin("cornell-glass").unwrap().build().unwrap();
@@ -183,7 +181,7 @@ pub fn replayed_photons_give_the_same_estimates<A: TestBackend, B: TestBackend>(
             Search::KNearest { k: 500 },
             Search::Paper { max: 100, threshold: 8, factor: 1.0 },
         ] {
-            gathers.extend(KERNELS.map(|kernel| EstimateParams {
+            gathers.extend(Kernel::ALL.map(|kernel| EstimateParams {
                 kernel,
                 min_normal_cosine: 0.9,
                 ..EstimateParams::new(search)

@@ -7,13 +7,6 @@ use crate::harness::{TestBackend, Uniform, estimate, estimates_on, photon_at, qu
 use crate::stats::{SIGMAS, assert_agrees, moments};
 
 const INDICES: [IndexKind; 3] = [IndexKind::Median, IndexKind::Vvh, IndexKind::Morton];
-const KERNELS: [Kernel; 5] = [
-    Kernel::Constant,
-    Kernel::Epanechnikov,
-    Kernel::Cone { slope: 1.0 },
-    Kernel::Cone { slope: 1.1 },
-    Kernel::Biweight,
-];
 
 /// A Poisson process of `density` on the unit square around the origin: arrivals along x, uniform in y.
 #[must_use]
@@ -89,34 +82,19 @@ pub fn a2_corrected_knn_is_unbiased<T: TestBackend>() {
     }
 }
 
-/// A3 and A4: without the k-th photon, every kernel is unbiased, including the cone of slope 1.1.
-pub fn a3_a4_kernels_in_knn_are_unbiased<T: TestBackend>() {
-    for (kernel, second_moment) in
-        [(Kernel::Epanechnikov, 4.0 / 3.0), (Kernel::Biweight, 9.0 / 5.0), (Kernel::Cone { slope: 1.0 }, 3.0 / 2.0)]
-    {
-        let values = relative::<T>(IndexKind::Morton, DENSITY, 0.5, 8, &gather(Search::KNearest { k: 50 }, kernel));
-        check(&format!("{kernel:?}"), &values, 1.0, second_moment / 48.0);
-    }
-    let cone = gather(Search::KNearest { k: 10 }, Kernel::Cone { slope: 1.1 });
-    let values = relative::<T>(IndexKind::Morton, DENSITY, 0.5, 8, &cone);
-    let (mean, variance) = moments(&values);
-    // With the k-th photon it would be 1.0256.
-    assert_agrees("cone 1.1", mean, 1.0, (variance / values.len() as f64).sqrt(), 0.0);
+/// A3: without the k-th photon, whose weight is 0, Epanechnikov's kernel is unbiased.
+pub fn a3_kernel_in_knn_is_unbiased<T: TestBackend>() {
+    let gather = gather(Search::KNearest { k: 50 }, Kernel::Epanechnikov);
+    let values = relative::<T>(IndexKind::Morton, DENSITY, 0.5, 8, &gather);
+    check("k = 50", &values, 1.0, 4.0 / 3.0 / 48.0);
 }
 
 /// A6: within a fixed radius h, the mean is the density and the relative variance `R(K)/(λ h²)`.
 pub fn a6_fixed_radius_mean_and_variance<T: TestBackend>() {
     let h = 0.02_f64;
-    for (kernel, roughness) in
-        KERNELS.into_iter().zip([std::f64::consts::FRAC_1_PI, 0.424_413, 0.477_465, f64::NAN, 0.572_958])
-    {
+    for (kernel, roughness) in [(Kernel::Constant, std::f64::consts::FRAC_1_PI), (Kernel::Epanechnikov, 0.424_413)] {
         let values = relative::<T>(IndexKind::Morton, DENSITY, h as f32, 8, &gather(Search::Radius, kernel));
-        let n = values.len() as f64;
-        let (mean, variance) = moments(&values);
-        assert_agrees(&format!("{kernel:?}"), mean, 1.0, (variance / n).sqrt(), 0.0);
-        if roughness.is_finite() {
-            check(&format!("{kernel:?}"), &values, 1.0, roughness / (DENSITY * h * h));
-        }
+        check(&format!("{kernel:?}"), &values, 1.0, roughness / (DENSITY * h * h));
     }
 }
 
@@ -140,12 +118,7 @@ pub fn a7_bias_of_curvature<T: TestBackend>() {
     let (h, cell) = (0.2_f64, 0.000_8);
     let photons = grid(cell, 0.21, |x, y| 1.0 + 0.5 * (x * x + y * y));
     let bound = 4.0 * (PI * h * h / cell / cell).powf(-0.75);
-    for (kernel, truth) in [
-        (Kernel::Constant, 1.01),
-        (Kernel::Epanechnikov, 1.006_666_7),
-        (Kernel::Biweight, 1.005),
-        (Kernel::Cone { slope: 1.0 }, 1.006),
-    ] {
+    for (kernel, truth) in [(Kernel::Constant, 1.01), (Kernel::Epanechnikov, 1.006_666_7)] {
         let query = query_at([0.0; 3], h as f32);
         let found = estimate::<T>(IndexKind::Morton, &photons, &[query], &gather(Search::Radius, kernel));
         assert_agrees(&format!("{kernel:?}"), found[0].irradiance(1)[0], truth, 0.0, bound);

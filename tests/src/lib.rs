@@ -113,7 +113,7 @@ macro_rules! whole_suite {
             accuracy::{
                 e1_claims_hold_in_smooth_fields, e2_edges_have_intervals_and_folds_are_flagged, e3_noise_alone_does_not_cover,
                 e4_spread_of_known_photons, e5_errors_leave_the_picture_alone, e6_gathered_light_is_claimed,
-                e7_sobol_is_the_same_light_with_less_noise, e8_an_error_asked_for_is_reached,
+                e8_an_error_asked_for_is_reached,
             }
             forecasts::{ e9_what_an_error_takes_is_foretold }
             debias::{
@@ -129,7 +129,7 @@ macro_rules! whole_suite {
             }
             edges::{ s1_no_light_through_edges }
             estimators::{
-                a1_naive_knn_is_too_bright, a2_corrected_knn_is_unbiased, a3_a4_kernels_in_knn_are_unbiased,
+                a1_naive_knn_is_too_bright, a2_corrected_knn_is_unbiased, a3_kernel_in_knn_is_unbiased,
                 a6_fixed_radius_mean_and_variance, a7_bias_of_curvature, a8_loss_at_edges, a9_no_bias_on_a_sphere,
                 a12_progressive_variance, a13_threshold_darkens,
             }

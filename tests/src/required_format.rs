@@ -92,7 +92,7 @@ pub fn m2_less_is_the_same_picture<T: TestBackend>() {
     let shared = Settings { caustic_photons: CausticPhotons::Shared, ..settings() };
     let ways = [
         radius.clone(),
-        Settings { index: IndexKind::Median, estimator: knn, kernel: Kernel::Biweight, ..shared.clone() },
+        Settings { index: IndexKind::Median, estimator: knn, kernel: Kernel::Constant, ..shared.clone() },
         Settings {
             index: IndexKind::Vvh,
             errors: true,

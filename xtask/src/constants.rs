@@ -120,14 +120,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
             "MaterialTextures without a texture; a triangle without vertex normals.",
             vec![("NO_TEXTURE", MaterialTextures::NONE), ("FLAT_TRIANGLE", ShadingTables::FLAT)],
         ),
-        (
-            "RandomKind.",
-            vec![
-                ("RANDOM_COUNTER", RandomKind::Counter as u32),
-                ("RANDOM_LCG", RandomKind::Lcg as u32),
-                ("RANDOM_SOBOL", RandomKind::Sobol as u32),
-            ],
-        ),
+        ("RandomKind.", vec![("RANDOM_COUNTER", RandomKind::Counter as u32), ("RANDOM_LCG", RandomKind::Lcg as u32)]),
         (
             "random::Domain.",
             vec![
@@ -160,8 +153,6 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
             vec![
                 ("KERNEL_CONSTANT", Kernel::Constant.number()),
                 ("KERNEL_EPANECHNIKOV", Kernel::Epanechnikov.number()),
-                ("KERNEL_CONE", Kernel::Cone { slope: 1.0 }.number()),
-                ("KERNEL_BIWEIGHT", Kernel::Biweight.number()),
             ],
         ),
         (

@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use photon_core::area::{self, HEIGHT, MIN_RADIUS, Probe, RINGS, SHEETS, SPOKES};
+use photon_core::area::{self, HEIGHT, MIN_RADIUS, RINGS, SHEETS, SPOKES};
 use photon_core::glam::Vec3;
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
@@ -184,20 +184,19 @@ impl Disc<'_> {
             // inside it.
             let mut whole = false;
             for ring in (0..RINGS + u32::from(SECOND)).rev() {
-                let probe = if ring < RINGS {
-                    area::probe(gather.kernel, spoke, ring, shift)
+                let (distance, weight) = if ring < RINGS {
+                    (area::probe(gather.kernel, spoke, ring, shift), 1.0)
                 } else {
-                    Probe { distance: area::outer_distance(spoke, shift), weight: 0.0 }
+                    (area::outer_distance(spoke, shift), 0.0)
                 };
-                let [wide, narrow] =
-                    if SECOND { area::second_weights(gather.kernel, probe.distance) } else { [0.0; 2] };
-                let weights = [probe.weight, wide, narrow];
+                let [wide, narrow] = if SECOND { area::second_weights(gather.kernel, distance) } else { [0.0; 2] };
+                let weights = [weight, wide, narrow];
                 (0..discs).for_each(|i| all[i] += weights[i]);
                 if whole {
                     (0..discs).for_each(|i| found[i] += weights[i]);
                     continue;
                 }
-                let away = probe.distance * radius;
+                let away = distance * radius;
                 let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
                 let Some((_, surface)) = opaque::<ALPHA>(scene, down) else { continue };
                 let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();

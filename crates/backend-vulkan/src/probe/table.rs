@@ -151,7 +151,7 @@ fn random_rows(row: Make) -> Vec<Row> {
 /// The sampler of an input of [`sampler`].
 fn sampler_of(i: &Input) -> Sampler {
     let [kind, low, high, pass, domain, path, ..] = i.0;
-    let kind = [RandomKind::Counter, RandomKind::Lcg, RandomKind::Sobol][kind as usize];
+    let kind = [RandomKind::Counter, RandomKind::Lcg][kind as usize];
     let domains = [Domain::Photon, Domain::Eye, Domain::Shadow, Domain::Gather, Domain::Area, Domain::Aimed];
     Sampler::new(kind, u64::from(high) << 32 | u64::from(low), pass, domains[domain as usize], path)
 }
@@ -272,8 +272,7 @@ fn surface_rows(row: Make) -> Vec<Row> {
             |i| vector_output(offset::off_surface(i.vector(0), i.vector(4))),
         ),
         // Equal bits except for the cone, which has a square root and a division, and may be 0 at its edge.
-        row("kernel_weight", kernels, 0, Bound::Bits, |d| kernel(d, &[0, 1, 3]), weight),
-        row("kernel_weight, cone", kernels, 0, Bound::Within(3e-6), |d| kernel(d, &[2]), weight),
+        row("kernel_weight", kernels, 0, Bound::Bits, kernel, weight),
     ]
 }
 
@@ -355,9 +354,9 @@ fn any_words(d: &mut Draw) -> Input {
 
 fn sampler(d: &mut Draw) -> Input {
     let mut input = any_words(d);
-    input.0[0] = d.pick(&[0, 1, 2]);
+    input.0[0] = d.pick(&[0, 1]);
     input.0[4] = d.pick(&[0, 1, 2, 3, 4]);
-    // Blocks that use Sobol's sequence, and others.
+    // The first blocks.
     if d.now_and_then() {
         input.0[6] = d.pick(&[0, 1, 2]);
         input.0[7] = d.pick(&[0, 1, 2]);
@@ -404,17 +403,15 @@ fn corners(d: &mut Draw) -> Input {
     input([a.x, a.y, a.z, u], [b.x, b.y, b.z, v], four(c))
 }
 
-fn kernel(d: &mut Draw, kinds: &[u32]) -> Input {
+fn kernel(d: &mut Draw) -> Input {
     let u = if d.now_and_then() { 1.0 } else { d.unit() };
-    let mut input = input([0.0, d.pick(&[1.0, 1.1, 2.0, 1e6]), u, 0.0], Z, Z);
-    input.0[0] = d.pick(kinds);
+    let mut input = input([0.0, 0.0, u, 0.0], Z, Z);
+    input.0[0] = d.pick(&[0, 1]);
     input
 }
 
 fn weight(i: &Input) -> Output {
-    let slope = i.float(1);
-    let kernel = [Kernel::Constant, Kernel::Epanechnikov, Kernel::Cone { slope }, Kernel::Biweight][i.0[0] as usize];
-    output([kernel.weight(i.float(2))])
+    output([[Kernel::Constant, Kernel::Epanechnikov][i.0[0] as usize].weight(i.float(2))])
 }
 
 pub(super) fn words<const N: usize>(words: [u32; N]) -> Output {

@@ -28,9 +28,7 @@ parameters! {
         pass: u32,
         start: u32,
         min_cosine: f32,
-        slope: f32,
         max_plane_distance: f32,
-        padding: u32,
     }
 }
 
@@ -78,9 +76,7 @@ impl AreaProbe<Vulkan> for VulkanArea {
                 pass: pass.index,
                 start: start as u32,
                 min_cosine: gather.min_normal_cosine,
-                slope: gather.kernel.slope(),
                 max_plane_distance: gather.max_plane_distance,
-                padding: 0,
             };
             on.dispatch(&kernel, &push, chunk.min(capacity - start).div_ceil(u64::from(GROUP)))?;
         }

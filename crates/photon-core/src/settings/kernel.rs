@@ -3,23 +3,14 @@
 /// How a photon is weighted by its distance from the query.
 ///
 /// All are weights relative to the constant kernel: an estimate is `Σ W(u)·power / (π r²)` with `u =
-/// d²/r²`, and `∫₀¹ W(u) du = 1`, so that each integrates to 1 over the disc (Silverman 1986, section 4.2;
-/// the cone is from Jensen 1996).
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// d²/r²`, and `∫₀¹ W(u) du = 1`, so that each integrates to 1 over the disc (Silverman 1986, section 4.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kernel {
     /// `1`.
     Constant,
     /// `2 (1 − u)`: the smallest error per photon, and zero at the edge of the disc.
     Epanechnikov,
-    /// `(1 − √u/s) / (1 − 2/(3s))`.
-    Cone {
-        /// `s` ≥ 1: radius of the cone's base, in search radii. With 1 the weight is zero at the edge of
-        /// the disc.
-        slope: f32,
-    },
-    /// `3 (1 − u)²`.
-    Biweight,
 }
 
 impl Kernel {
@@ -30,8 +21,6 @@ impl Kernel {
         match self {
             Self::Constant => 1.0,
             Self::Epanechnikov => 2.0 * (1.0 - u),
-            Self::Cone { slope } => (1.0 - u.sqrt() / slope) * (slope / (slope - 2.0 / 3.0)),
-            Self::Biweight => 3.0 * (1.0 - u) * (1.0 - u),
         }
     }
 
@@ -59,25 +48,6 @@ impl Kernel {
         match self {
             Self::Constant => 0,
             Self::Epanechnikov => 1,
-            Self::Cone { .. } => 2,
-            Self::Biweight => 3,
-        }
-    }
-
-    /// The cone's slope; 1 for the kernels without one.
-    #[must_use]
-    pub fn slope(self) -> f32 {
-        if let Self::Cone { slope } = self { slope } else { 1.0 }
-    }
-
-    /// Name in options and reports, without the slope.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Constant => "constant",
-            Self::Epanechnikov => "epanechnikov",
-            Self::Cone { .. } => "cone",
-            Self::Biweight => "biweight",
         }
     }
 }
@@ -86,13 +56,7 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    const ALL: [Kernel; 5] = [
-        Kernel::Constant,
-        Kernel::Epanechnikov,
-        Kernel::Cone { slope: 1.0 },
-        Kernel::Cone { slope: 1.1 },
-        Kernel::Biweight,
-    ];
+    const ALL: [Kernel; 2] = [Kernel::Constant, Kernel::Epanechnikov];
 
     /// Integrals of `f(W)` over `u` in `[0, 1]`, by Simpson's rule in `t = √u`, in which all kernels are
     /// smooth.
@@ -127,21 +91,11 @@ mod tests {
     /// Roughness R(K) of closed-forms A6 is `E[W²]/π`.
     #[test]
     fn roughness_is_as_tabulated() {
-        for (kernel, roughness) in [
-            (Kernel::Constant, std::f64::consts::FRAC_1_PI),
-            (Kernel::Epanechnikov, 0.424_413),
-            (Kernel::Cone { slope: 1.0 }, 0.477_465),
-            (Kernel::Biweight, 0.572_958),
-        ] {
+        for (kernel, roughness) in [(Kernel::Constant, std::f64::consts::FRAC_1_PI), (Kernel::Epanechnikov, 0.424_413)]
+        {
             let r = integral(kernel, |w| w * w) / std::f64::consts::PI;
             assert!((r - roughness).abs() < 2e-6, "{kernel:?}: {r}");
         }
-    }
-
-    #[test]
-    fn rim_of_the_cone() {
-        assert!((Kernel::Cone { slope: 1.1 }.weight(1.0) - 0.230_769).abs() < 1e-6);
-        assert_eq!(Kernel::Cone { slope: 1.0 }.weight(1.0), 0.0);
     }
 
     #[test]

@@ -152,9 +152,6 @@ pub enum RandomKind {
     Counter,
     /// The linear congruential generator of Lin and Wang 2010, seeded with the path index.
     Lcg,
-    /// The light, point and direction of emission come from Sobol's sequence, scrambled differently in each
-    /// pass, so that the photons of a pass are evenly spread; all other dimensions as with `Counter`.
-    Sobol,
 }
 
 /// Which light paths fill the caustic map.
@@ -176,7 +173,7 @@ pub enum CausticPhotons {
 /// Settings that a user chooses. Lengths are in user space.
 ///
 /// With the feature `serde` they are read and written, for example as JSON: an object of fields, all of which are
-/// optional. Choices are written as in the program's options (`"index": "morton"`, `"kernel": "cone:1.5"`,
+/// optional. Choices are written as in the program's options (`"index": "morton"`, `"kernel": "constant"`,
 /// `"caustic_photons": 100000`), estimators also with parameters (`"estimator": {"knn": {"k": 50}}`). An unknown field is
 /// an error; ranges are checked by [`Settings::validate`], that is, by the renderer. `serde_json` reads numbers of more than
 /// 15 digits with an error of one rounding, unless its feature `float_roundtrip` is on.
@@ -374,10 +371,6 @@ impl Settings {
                 value: format!("surface, with {:?}", self.estimator),
                 hint: "the paper's estimator divides by the area of its disc: use another estimator, or area disc",
             });
-        }
-        if let Kernel::Cone { slope } = self.kernel {
-            let hint = "must lie between 1 and 1e6";
-            ensure((1.0..=1e6).contains(&slope), "slope of the cone", number(slope.into()), hint)?;
         }
         // Beyond these numbers, which nobody needs in one pass, a pass would not end.
         let count = |name, value: u32, most, hint| ensure((1..=most).contains(&value), name, value.to_string(), hint);

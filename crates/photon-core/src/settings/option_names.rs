@@ -54,7 +54,8 @@ option_names!("indirect", Indirect { Map = "map", Gather = "gather", None = "non
 option_names!("area", Area { Disc = "disc", Surface = "surface" });
 option_names!("bandwidth", Bandwidth { Shared = "shared", PerPixel = "per-pixel" });
 option_names!("scheduling", Scheduling { Static = "static", Dynamic = "dynamic" });
-option_names!("random", RandomKind { Counter = "counter", Lcg = "lcg", Sobol = "sobol" });
+option_names!("kernel", Kernel { Constant = "constant", Epanechnikov = "epanechnikov" });
+option_names!("random", RandomKind { Counter = "counter", Lcg = "lcg" });
 
 fn unknown(option: &'static str, text: &str, hint: &'static str) -> Error {
     Error::InvalidSetting { name: option, value: format!("{text:?}"), hint }
@@ -115,36 +116,6 @@ impl FromStr for CausticPhotons {
     }
 }
 
-impl fmt::Display for Kernel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Cone { slope } => write!(f, "cone:{slope}"),
-            other => f.pad(other.name()),
-        }
-    }
-}
-
-impl FromStr for Kernel {
-    type Err = Error;
-
-    /// `cone` alone has slope 1; any other slope is given as `cone:SLOPE`.
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let hint =
-            "must be one of constant, epanechnikov, biweight, cone, cone:SLOPE with a finite slope of at least 1";
-        match text {
-            "constant" => Ok(Self::Constant),
-            "epanechnikov" => Ok(Self::Epanechnikov),
-            "biweight" => Ok(Self::Biweight),
-            "cone" => Ok(Self::Cone { slope: 1.0 }),
-            _ => {
-                let slope = text.strip_prefix("cone:").and_then(|slope| slope.parse::<f32>().ok());
-                let slope = slope.filter(|slope| *slope >= 1.0 && slope.is_finite());
-                slope.map(|slope| Self::Cone { slope }).ok_or_else(|| unknown("kernel", text, hint))
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,7 +139,7 @@ mod tests {
         round_trip(&Scheduling::ALL);
         round_trip(&RandomKind::ALL);
         round_trip(&[CausticPhotons::Auto, CausticPhotons::Shared, CausticPhotons::Aimed(7)]);
-        round_trip(&[Kernel::Constant, Kernel::Epanechnikov, Kernel::Biweight, Kernel::Cone { slope: 1.1 }]);
+        round_trip(&Kernel::ALL);
         for name in Estimator::NAMES {
             assert_eq!(name.parse::<Estimator>().unwrap().name(), name);
         }
@@ -178,9 +149,6 @@ mod tests {
     fn an_unknown_name_is_answered_with_the_known_ones() {
         let message = "box".parse::<IndexKind>().unwrap_err().to_string();
         assert_eq!(message, "index is \"box\", but must be one of median, vvh, morton");
-        for bad in ["cone:0.5", "cone:nan", "cone:inf", "cone:", "gauss"] {
-            assert!(bad.parse::<Kernel>().unwrap_err().to_string().contains("epanechnikov"), "{bad}");
-        }
         for bad in ["0", "-1", "1.5", "many"] {
             assert!(bad.parse::<CausticPhotons>().unwrap_err().to_string().contains("shared"), "{bad}");
         }

@@ -208,12 +208,12 @@ mod tests {
     fn settings_are_read_back() {
         let many = Settings {
             estimator: Estimator::Knn { k: 7, max_radius: Some(0.333) },
-            kernel: Kernel::Cone { slope: 1.1 },
+            kernel: Kernel::Constant,
             caustic_photons: CausticPhotons::Aimed(u32::MAX),
             seed: u64::MAX,
             alpha: 0.123_456_789_012_345,
             radius_factor: 1e-20,
-            random: RandomKind::Sobol,
+            random: RandomKind::Lcg,
             memory: Some(u64::MAX),
             min_normal_cosine: 0.1,
             ..Settings::default()
@@ -265,7 +265,7 @@ mod tests {
             (r#"{"seed": 1e17}"#, ["1e+17", "18446744073709551615"]),
             (r#"{"caustic_photons": 0.5}"#, ["0.5", "number of caustic paths"]),
             (r#"{"index": "grid"}"#, ["index is \"grid\"", "morton"]),
-            (r#"{"kernel": "cone:0.5"}"#, ["cone:0.5", "at least 1"]),
+            (r#"{"kernel": "cone:1.1"}"#, ["cone:1.1", "epanechnikov"]),
             (r#"{"caustic_photons": 0}"#, ["0", "number of caustic paths"]),
             (r#"{"caustic_photons": "many"}"#, ["many", "shared"]),
             (r#"{"estimator": {"grid": {}}}"#, ["grid", "knn"]),

@@ -41,7 +41,6 @@ pub mod shading_normal;
 pub mod shadow_terminator;
 pub mod sheen;
 pub(crate) mod sheen_lobe;
-pub mod sobol;
 pub mod solid_angle;
 pub(crate) mod spectrum;
 pub mod texture;

@@ -40,7 +40,6 @@
 //! domains keep Philox.
 
 use crate::settings::RandomKind;
-use crate::sobol::{scramble, sobol};
 
 mod split_mix;
 
@@ -158,19 +157,7 @@ impl Sampler {
     #[must_use]
     pub fn words(&mut self, block: u32) -> [u32; 4] {
         match self.kind {
-            RandomKind::Sobol if block <= BLOCK_START => {
-                // The same for all paths of a pass.
-                let seeds = philox4x32([u32::MAX, block, self.pass, self.domain], self.key);
-                let mut words = philox4x32([self.path, block, self.pass, self.domain], self.key);
-                // The first two dimensions are the most evenly distributed: they are used for the
-                // direction. The others select the light and the point on it.
-                let dimensions: &[u32] = if block == BLOCK_START { &[0, 1] } else { &[4, 2, 3] };
-                for (i, &dimension) in dimensions.iter().enumerate() {
-                    words[i] = scramble(sobol(self.path, dimension), seeds[i]);
-                }
-                words
-            }
-            RandomKind::Counter | RandomKind::Sobol => philox4x32([self.path, block, self.pass, self.domain], self.key),
+            RandomKind::Counter => philox4x32([self.path, block, self.pass, self.domain], self.key),
             RandomKind::Lcg => std::array::from_fn(|_| {
                 self.state = lcg(self.state);
                 self.state << 1
@@ -239,23 +226,6 @@ mod tests {
             let exact = f64::from(step) / 4_294_967_296.0;
             assert_eq!((f64::from(centred_f32(step)), f64::from(centred_f32(step.wrapping_neg()))), (exact, -exact));
         }
-    }
-
-    #[test]
-    fn sobol_words_are_scrambled_by_pass_and_for_photons_alone() {
-        let words = |kind, pass, domain, path, block| Sampler::new(kind, 9, pass, domain, path).words(block);
-        use RandomKind::{Counter, Sobol};
-        // One photon in each interval of a direction, differently in every pass.
-        let stretches =
-            |pass| -> Vec<u32> { (0..64).map(|path| words(Sobol, pass, Domain::Photon, path, 1)[0] >> 26).collect() };
-        let (mut a, mut b) = (stretches(0), stretches(1));
-        assert_ne!(a, b);
-        a.sort_unstable();
-        b.sort_unstable();
-        assert!(a == b && a == (0..64).collect::<Vec<_>>());
-        assert_eq!(words(Sobol, 0, Domain::Photon, 5, 2), words(Counter, 0, Domain::Photon, 5, 2));
-        assert_eq!(words(Sobol, 0, Domain::Eye, 5, 1), words(Counter, 0, Domain::Eye, 5, 1));
-        assert_ne!(words(Sobol, 0, Domain::Photon, 5, 0)[0], words(Counter, 0, Domain::Photon, 5, 0)[0]);
     }
 
     #[test]

@@ -174,8 +174,7 @@ pub struct PhotonArgs {
     /// Seed of all random numbers: the same seed gives the same picture.
     #[arg(long, value_name = "N", default_value_t = 0, hide_short_help = true, hide_long_help = true)]
     pub seed: u64,
-    /// Random number generator of photons: counter-based, the linear congruential generator of Lin and Wang 2010, or
-    /// the Sobol sequence [default: counter, with --estimator paper lcg].
+    /// Random number generator of photons: counter-based, or the linear congruential generator of Lin and Wang 2010 [default: counter, with --estimator paper lcg].
     #[arg(long, value_parser = choice::<RandomKind>(RandomKind::ALL.map(RandomKind::name)), hide_short_help = true, hide_long_help = true)]
     pub rng: Option<RandomKind>,
     /// How paths are scheduled on threads: static quotas, or a shared counter (dynamic); the picture is the same
@@ -204,9 +203,8 @@ pub struct EstimateArgs {
     /// How fast radii shrink from pass to pass, above 0 and at most 1; 1 keeps them constant [default: 2/3].
     #[arg(long, value_name = "ALPHA", hide_short_help = true, hide_long_help = true)]
     pub alpha: Option<f64>,
-    /// Weight by distance: constant, epanechnikov, cone, cone:SLOPE or biweight
-    /// [default: epanechnikov, with --estimator paper constant].
-    #[arg(long, value_name = "NAME", value_parser = str::parse::<Kernel>, hide_short_help = true, hide_long_help = true)]
+    /// Weight of photons by distance [default: epanechnikov, with --estimator paper constant].
+    #[arg(long, value_parser = choice::<Kernel>(Kernel::ALL.map(Kernel::name)), hide_short_help = true, hide_long_help = true)]
     pub kernel: Option<Kernel>,
     /// Area that the flux is divided by: the disc around the point, or the part of it that lies on the surface, which
     /// removes dark edges [default: surface; disc with --preset preview or --estimator paper].

@@ -22,7 +22,7 @@ fn options_reach_the_settings() {
     assert_eq!(settings(&["--caustic-photons", "50k"]).unwrap().caustic_photons, CausticPhotons::Aimed(50_000));
     assert_eq!(settings(&["--caustic-photons", "shared"]).unwrap().caustic_photons, CausticPhotons::Shared);
     assert_eq!(settings(&["--caustic-roughness", "0.5"]).unwrap().caustic_roughness, Some(0.5));
-    assert_eq!(settings(&["--kernel", "cone:1.1"]).unwrap().kernel, Kernel::Cone { slope: 1.1 });
+    assert_eq!(settings(&["--kernel", "constant"]).unwrap().kernel, Kernel::Constant);
 }
 
 #[test]
@@ -192,7 +192,6 @@ fn absurd_values_are_refused() {
         vec!["--target-error", "0.1", "--estimator", "knn"],
         vec!["--total-photons", "0"],
         vec!["--kernel", "box"],
-        vec!["--kernel", "cone:0.5"],
         vec!["--alpha", "0"],
         vec!["--max-plane-distance", "0"],
         vec!["--max-bounces", "0"],

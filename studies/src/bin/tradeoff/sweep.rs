@@ -56,11 +56,7 @@ fn points(base: &Settings) -> Vec<Point> {
     for alpha in [0.8, 1.0] {
         add("alpha", &format!("{alpha:.2}"), with(&|s| s.alpha = alpha), PASSES);
     }
-    let kernels =
-        [("constant", Kernel::Constant), ("cone", Kernel::Cone { slope: 1.0 }), ("biweight", Kernel::Biweight)];
-    for (name, kernel) in kernels {
-        add("kernel", name, with(&|s| s.kernel = kernel), PASSES);
-    }
+    add("kernel", "constant", with(&|s| s.kernel = Kernel::Constant), PASSES);
     for passes in [PASSES, 4 * PASSES] {
         add("area", &format!("surface, {passes} passes"), with(&|s| s.area = Area::Surface), passes);
     }
@@ -93,9 +89,6 @@ fn points(base: &Settings) -> Vec<Point> {
     }
     add("sharing", "static", with(&|s| s.scheduling = Scheduling::Static), PASSES);
     add("generator", "LCG", with(&|s| s.random = RandomKind::Lcg), PASSES);
-    for passes in [4, PASSES] {
-        add("generator", &format!("Sobol, {passes} passes"), with(&|s| s.random = RandomKind::Sobol), passes);
-    }
     add("errors", "told", with(&|s| s.errors = true), PASSES);
     add("errors", "told, passes x4", with(&|s| s.errors = true), 4 * PASSES);
     add("photons per pass", "x2, 4 passes", with(&|s| s.photons *= 2), 4);

@@ -47,7 +47,7 @@ fn question(kernel: Kernel, radius: f32, scene: &SceneKind, address: u64) -> Que
         radius,
         min_cosine: -1.0,
         max_plane_distance: 0.0,
-        parameter: kernel.slope(),
+        parameter: 0.0,
         threshold: 0,
         error_moments: 0,
     }

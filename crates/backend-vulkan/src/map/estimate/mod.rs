@@ -211,7 +211,7 @@ fn radius_question(gather: &EstimateParams, shading: Weighting) -> Question {
         radius: gather.radius_scale,
         min_cosine: gather.min_normal_cosine,
         max_plane_distance: gather.max_plane_distance,
-        parameter: gather.kernel.slope(),
+        parameter: 0.0,
         threshold: 0,
         error_moments: 0,
     }

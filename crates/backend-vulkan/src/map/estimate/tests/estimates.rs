@@ -14,8 +14,6 @@ use crate::map::estimate::search::MapSearch;
 /// sums within a leaf, and of the differences of moments, which are up to 12 times as large as the result.
 const TOLERANCE: f64 = 4e-6;
 
-const KERNELS: [Kernel; 4] = [Kernel::Constant, Kernel::Epanechnikov, Kernel::Cone { slope: 1.1 }, Kernel::Biweight];
-
 fn on_cpu(photons: &[Photon], queries: &[Query], gather: &EstimateParams, kind: IndexKind) -> Vec<Estimate> {
     let mut cpu = Cpu::with_threads(1).unwrap();
     let mut stages = cpu.map_stages(kind).unwrap();
@@ -74,7 +72,7 @@ fn check(
     let photons = photons(points);
     let queries = queries(places, radius);
     for &search in searches {
-        for kernel in KERNELS {
+        for kernel in Kernel::ALL {
             for &min_normal_cosine in cosines {
                 // A `max_plane_distance` below 1 is tested only for radius searches.
                 let shares: &[f32] = if search == Search::Radius { &[1.0, 0.2] } else { &[1.0] };
@@ -201,7 +199,7 @@ fn wide_bins_find_the_same() {
     let there = on.upload("queries", &queries).unwrap();
     for k in [20, 500] {
         let gather = EstimateParams {
-            kernel: Kernel::Biweight,
+            kernel: Kernel::Epanechnikov,
             min_normal_cosine: 0.5,
             ..EstimateParams::new(Search::KNearest { k })
         };
@@ -227,7 +225,7 @@ fn the_same_twice() {
     let photons = photons(&caustic(10_000, 0.05));
     let queries = queries(&places(&walls(3000)), 0.2);
     let gather = EstimateParams {
-        kernel: Kernel::Biweight,
+        kernel: Kernel::Epanechnikov,
         min_normal_cosine: 0.5,
         ..EstimateParams::new(Search::KNearest { k: 60 })
     };

@@ -23,7 +23,7 @@ fn estimates(
     search: Search,
     map_search: MapSearch,
 ) -> Vec<Estimate> {
-    let gather = EstimateParams { kernel: Kernel::Biweight, min_normal_cosine: 0.3, ..EstimateParams::new(search) };
+    let gather = EstimateParams { kernel: Kernel::Epanechnikov, min_normal_cosine: 0.3, ..EstimateParams::new(search) };
     let mut estimates = on.alloc("estimates", queries.capacity()).unwrap();
     VulkanEstimator { search: map_search, ..VulkanEstimator::default() }
         .estimate(on, map, queries, &gather, &mut estimates)

@@ -12,7 +12,7 @@ use mpi::traits::{Communicator, Root};
 use photon_core::{Bandwidth, Blocks, Budget, Error, ErrorTarget, Event, Film, Pipeline, Render, Settings, View};
 use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
-use photonmap_cli::args::RenderArgs;
+use photonmap_cli::args::{RenderArgs, set};
 use photonmap_cli::backend::{self, Chosen};
 use photonmap_cli::exposure::measured;
 use photonmap_cli::fault::{self, Fault};
@@ -41,7 +41,8 @@ fn main() -> ExitCode {
     };
     let world = universe.world();
     let command = RenderArgs::command().name("photonmap-mpi").about(ABOUT).long_about(ABOUT);
-    let args = match command.try_get_matches().and_then(|matches| RenderArgs::from_arg_matches(&matches)) {
+    let matches = command.try_get_matches_from(set::expanded(std::env::args_os()));
+    let args = match matches.and_then(|matches| RenderArgs::from_arg_matches(&matches)) {
         Ok(args) => args,
         Err(error) => {
             if world.rank() == 0 {
@@ -68,6 +69,8 @@ fn main() -> ExitCode {
 }
 
 fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
+    signals::ignore_file_size_limit();
+    signals::end_while_loading()?;
     let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     check(args, &settings)?;
     let blocks = blocks(args, &settings)?;

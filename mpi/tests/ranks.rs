@@ -121,6 +121,21 @@ fn a_killed_job_is_continued() {
     assert!(film(&killed) == film(&alone));
 }
 
+/// A terminated process writes its passes and its picture, and exits with 130.
+#[test]
+fn a_terminated_job_keeps_its_passes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, options) = (folder.path().join("kept.film"), ["--set", "seed=3", "--passes", "1000000"]);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_photonmap-mpi"));
+    command.args(SCENE).args(options).args(["--film", path.to_str().unwrap(), "-o"]).arg(path.with_extension("exr"));
+    let child = command.args(["--checkpoint", "1h"]).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_secs(3));
+    assert!(Command::new("kill").arg(child.id().to_string()).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output));
+    assert!(film(&path).passes > 0 && path.with_extension("exr").exists());
+}
+
 #[test]
 fn wrong_options_are_named_and_nobody_waits() {
     let folder = tempfile::tempdir().unwrap();

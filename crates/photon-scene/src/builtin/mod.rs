@@ -14,6 +14,7 @@ mod milk;
 mod plates;
 mod pool;
 mod prism;
+mod rainbow;
 mod ring;
 #[cfg(feature = "sky")]
 mod sky;
@@ -34,6 +35,7 @@ const NAMES: &[(&str, &str)] = &[
     ("ring", "a golden ring on a table, with the cardioid caustic of its inner wall"),
     ("pool", "the floor of a swimming pool in the sun, under waves"),
     ("prism", "a glass prism, and the spectrum of white light on the wall behind it"),
+    ("rainbow", "a ball of water in sunlight, and its rainbow on a screen"),
     ("fog", "shafts of light through a window into a room full of mist"),
     ("glass-fog", "a glass ball in fog, with its caustic in the air"),
     ("milk", "a glass of milk, which scatters light behind the glass"),
@@ -70,6 +72,7 @@ pub fn builtin(name: &str) -> Option<SceneBuilder> {
         "ring" => ring::ring(),
         "pool" => pool::pool(),
         "prism" => prism::prism(),
+        "rainbow" => rainbow::rainbow(),
         "fog" => fog::fog(),
         "glass-fog" => fog::glass_fog(),
         "milk" => milk::milk(),

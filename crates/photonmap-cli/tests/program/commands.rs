@@ -16,6 +16,7 @@ fn scenes_are_listed() {
             "ring",
             "pool",
             "prism",
+            "rainbow",
             "fog",
             "glass-fog",
             "milk",

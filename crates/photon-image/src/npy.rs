@@ -1,4 +1,4 @@
-//! NumPy array files, as far as `photonmap map` needs them: two-dimensional, little-endian, in C order.
+//! NumPy array files, as far as `photonmap map` needs them: little-endian, in C order.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -13,16 +13,54 @@ const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// # Errors
 /// [`Fault::Input`], which names the file and what is wrong with it.
 pub fn read_points(path: &Path) -> Result<Vec<[f32; 3]>, Fault> {
+    read(path, Shape::Points)
+}
+
+/// Reads segments as an array of float32 of shape (N, 2, 3), both ends of each, or (N, 6).
+///
+/// # Errors
+/// [`Fault::Input`], which names the file and what is wrong with it.
+pub fn read_segments(path: &Path) -> Result<Vec<[[f32; 3]; 2]>, Fault> {
+    Ok(read(path, Shape::Segments)?.as_chunks::<2>().0.to_vec())
+}
+
+/// Rows of an array.
+#[derive(Clone, Copy, Debug)]
+enum Shape {
+    Points,
+    Segments,
+}
+
+impl Shape {
+    /// Number of points in an array of these sizes, and in a row.
+    fn points(self, sizes: &[&str]) -> Option<(usize, usize)> {
+        let (rows, each) = match (self, sizes) {
+            (Self::Points, [rows, "3"]) => (rows, 1),
+            (Self::Segments, [rows, "6"] | [rows, "2", "3"]) => (rows, 2),
+            _ => return None,
+        };
+        Some((rows.parse::<usize>().ok()?.checked_mul(each)?, each))
+    }
+
+    fn request(self) -> &'static str {
+        match self {
+            Self::Points => "give a float32 array of shape (N, 3) as numpy.save writes it",
+            Self::Segments => "give a float32 array of shape (N, 2, 3) or (N, 6) as numpy.save writes it",
+        }
+    }
+}
+
+fn read(path: &Path, shape: Shape) -> Result<Vec<[f32; 3]>, Fault> {
     let wrong = |what: &str| Fault::input(format!("{}: {what}", path.display()));
     check_regular(path)?;
     let bytes = std::fs::read(path).map_err(|why| wrong(&format!("cannot be read: {why}")))?;
-    parse(&bytes).map_err(|what| wrong(&what))
+    parse(&bytes, shape).map_err(|what| wrong(&what))
 }
 
-fn parse(bytes: &[u8]) -> Result<Vec<[f32; 3]>, String> {
-    const ASK: &str = "give a float32 array of shape (N, 3) as numpy.save writes it";
+fn parse(bytes: &[u8], wanted: Shape) -> Result<Vec<[f32; 3]>, String> {
+    let ask = wanted.request();
     if bytes.len() < 10 || &bytes[..6] != MAGIC {
-        return Err(format!("is not a .npy file; {ASK}"));
+        return Err(format!("is not a .npy file; {ask}"));
     }
     let (start, length): (usize, usize) = if bytes[6] == 1 {
         (10, usize::from(u16::from_le_bytes([bytes[8], bytes[9]])))
@@ -34,23 +72,21 @@ fn parse(bytes: &[u8]) -> Result<Vec<[f32; 3]>, String> {
     let end = start.checked_add(length).filter(|&end| end <= bytes.len()).ok_or("ends within its header")?;
     let header = String::from_utf8_lossy(&bytes[start..end]).replace(' ', "");
     if !header.contains("'descr':'<f4'") {
-        return Err(format!("does not hold float32 (header {header:?}); {ASK}"));
+        return Err(format!("does not hold float32 (header {header:?}); {ask}"));
     }
     if !header.contains("'fortran_order':False") {
-        return Err(format!("is in Fortran order; {ASK}, after numpy.ascontiguousarray"));
+        return Err(format!("is in Fortran order; {ask}, after numpy.ascontiguousarray"));
     }
     let shape = header.split("'shape':(").nth(1).and_then(|rest| rest.split(')').next()).unwrap_or_default();
     let sizes: Vec<&str> = shape.split(',').filter(|size| !size.is_empty()).collect();
-    let rows = match sizes[..] {
-        [rows, "3"] => rows.parse::<usize>().ok(),
-        _ => None,
-    };
-    let rows = rows.ok_or_else(|| format!("has shape ({shape}); {ASK}"))?;
+    let (points, each) = wanted.points(&sizes).ok_or_else(|| format!("has shape ({shape}); {ask}"))?;
     let data = &bytes[end..];
-    if rows.checked_mul(12) != Some(data.len()) {
+    if points.checked_mul(12) != Some(data.len()) {
         return Err(format!(
-            "has {} bytes of data where {rows} rows need 12 each; it is truncated or damaged",
-            data.len()
+            "has {} bytes of data where {} rows need {} each; it is truncated or damaged",
+            data.len(),
+            points / each,
+            12 * each
         ));
     }
     let number = |at: &[u8]| f32::from_le_bytes([at[0], at[1], at[2], at[3]]);
@@ -69,7 +105,7 @@ pub fn write_u32(path: &Path, values: &[u32]) -> Result<(), Fault> {
 /// 4294967295.
 ///
 /// # Errors
-/// As [`write_u32`].
+/// Those of [`write_u32`].
 pub fn write_rows(path: &Path, values: &[u32], (rows, known, columns): (usize, usize, usize)) -> Result<(), Fault> {
     const FILL: [u32; 1024] = [u32::MAX; 1024];
     write(path, &format!("({rows}, {columns})"), |file| {
@@ -130,7 +166,7 @@ mod tests {
             format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}\n")
         };
         let good = file(&header("<f4", "False", "(2, 3)"), &data);
-        assert_eq!(parse(&good).unwrap(), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        assert_eq!(parse(&good, Shape::Points).unwrap(), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
         for (bytes, culprit) in [
             (b"hello".to_vec(), "not a .npy"),
             (file(&header("<f8", "False", "(2, 3)"), &data), "float32"),
@@ -141,7 +177,17 @@ mod tests {
             (good[..good.len() - 1].to_vec(), "truncated"),
             (good[..20].to_vec(), "header"),
         ] {
-            let error = parse(&bytes).unwrap_err();
+            let error = parse(&bytes, Shape::Points).unwrap_err();
+            assert!(error.contains(culprit), "{error}");
+        }
+        for shape in ["(1, 6)", "(1, 2, 3)"] {
+            let segments = parse(&file(&header("<f4", "False", shape), &data), Shape::Segments);
+            assert_eq!(segments.unwrap(), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{shape}");
+        }
+        for (shape, culprit) in
+            [("(2, 3)", "shape (2,3); give"), ("(2, 2, 3)", "2 rows need 24 each"), ("(6,)", "(N, 6)")]
+        {
+            let error = parse(&file(&header("<f4", "False", shape), &data), Shape::Segments).unwrap_err();
             assert!(error.contains(culprit), "{error}");
         }
     }

@@ -17,6 +17,7 @@ mod points;
 mod radix;
 mod range;
 mod rank;
+mod segment;
 mod select;
 mod vvh;
 mod workspace;
@@ -36,7 +37,7 @@ use points::Item;
 pub(crate) use range::{Batches, Fold};
 use rayon::prelude::*;
 
-/// Why an index could not be built.
+/// Reason for which an index could not be built.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IndexError {

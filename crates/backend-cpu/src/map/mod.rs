@@ -66,6 +66,21 @@ impl CpuMap {
         Ok(())
     }
 
+    /// Calls `visit` with every photon within `radius` of the segment between two ends (normalised space) and its squared distance
+    /// from it, exact as by brute force in double precision, in an order that depends only on the arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidSetting`] unless the format is [`PhotonFormat::Full`].
+    pub fn for_each_along(&self, ends: [[f32; 3]; 2], radius: f32, mut visit: impl FnMut(&Photon, f64)) -> Result<()> {
+        self.photons.check_full()?;
+        let photons = self.photons.as_slice();
+        let order = self.index.order();
+        self.index.near_segment(ends, radius, |slot, distance_squared| {
+            visit(&photons[order[slot as usize] as usize], distance_squared);
+        });
+        Ok(())
+    }
+
     /// The number of photons.
     pub(crate) fn len(&self) -> usize {
         self.normals.len()
@@ -82,6 +97,12 @@ impl CpuMap {
         self.normals.of(slot)
     }
 
+    /// Whether a photon of a map of media was left in this medium, whose index it has in place of a normal.
+    #[inline]
+    pub(crate) fn has_medium(&self, slot: u32, index: u32) -> bool {
+        self.normals.is(slot, index)
+    }
+
     #[inline]
     pub(crate) fn powers(&self) -> &Powers {
         &self.powers
@@ -93,13 +114,13 @@ impl CpuMap {
         octahedral::unpack(self.packed_direction(slot))
     }
 
-    /// As it is stored; requires [`PhotonFormat::Full`].
+    /// Direction as it is stored; requires [`PhotonFormat::Full`].
     #[inline]
     pub(crate) fn packed_direction(&self, slot: u32) -> u32 {
         self.directions.get(slot as usize).copied().unwrap_or_default()
     }
 
-    /// As [`Self::direction`], but not a unit vector.
+    /// Direction like [`Self::direction`], but not a unit vector.
     #[inline]
     pub(crate) fn toward(&self, slot: u32) -> Vec3 {
         octahedral::unpack_unnormalized(self.directions.get(slot as usize).copied().unwrap_or_default())

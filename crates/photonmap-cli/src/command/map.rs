@@ -13,22 +13,27 @@ use crate::fault::Fault;
 use crate::outputs::Outputs;
 use crate::{atomic_write, npy};
 
-/// Search a photon map: the nearest photons of each query point, or the number within a radius.
+/// Search a photon map: the nearest photons of each query point, or the number within a radius of points or segments.
 #[derive(Clone, Debug, Args)]
 pub struct MapArgs {
     /// Photons: a .npy file of float32, shape (N, 3).
     #[arg(long, value_name = "P.npy")]
     photons: PathBuf,
     /// Query points: a .npy file of float32, shape (M, 3).
-    #[arg(long, value_name = "Q.npy")]
-    queries: PathBuf,
+    #[arg(long, value_name = "Q.npy", required_unless_present = "beams", conflicts_with = "beams")]
+    queries: Option<PathBuf>,
+    /// Segments instead of query points, with --radius: a .npy file of float32, shape (M, 2, 3), the ends of each, or (M, 6).
+    ///
+    /// Photons within the radius of a segment are counted, in double precision. On the CPU.
+    #[arg(long, value_name = "B.npy", requires = "radius")]
+    beams: Option<PathBuf>,
     /// Find this many nearest photons of each query.
     #[arg(long, value_name = "K", required_unless_present = "radius", conflicts_with = "radius")]
     k: Option<u32>,
     /// With --k: no photon farther away than this.
     #[arg(long, value_name = "R", requires = "k")]
     max_radius: Option<f32>,
-    /// Count the photons within this radius of each query.
+    /// Count the photons within this radius of each query or segment.
     #[arg(long, value_name = "R")]
     radius: Option<f32>,
     /// Data structure of the photon map: left-balanced kd-tree, kd-tree by the Voxel Volume Heuristic, or Morton
@@ -71,8 +76,12 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
     }
     args.neighbours.iter().try_for_each(|path| atomic_write::check(path))?;
     args.json.iter().try_for_each(|path| Outputs::check_report(path))?;
-    let photons = finite(&args.photons, npy::read_points(&args.photons)?)?;
-    let queries = finite(&args.queries, npy::read_points(&args.queries)?)?;
+    let photons = finite(&args.photons, npy::read_points(&args.photons)?, "point", 1)?;
+    let queries = match (&args.queries, &args.beams) {
+        (_, Some(file)) => finite(file, npy::read_segments(file)?.into_flattened(), "segment", 2)?,
+        (Some(file), None) => finite(file, npy::read_points(file)?, "point", 1)?,
+        (None, None) => return Err(Fault::input("give --queries, or --beams")),
+    };
     let kind = args.index;
     let width = match args.k {
         Some(k) => k as usize,
@@ -87,10 +96,18 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
     let most = u32::try_from(photons.len()).unwrap_or(u32::MAX);
     let wanted = match (args.k, args.radius) {
         (Some(k), _) => Wanted::Nearest { k: k.min(most), max_radius: scale.radius("--max-radius", max_radius)? },
+        (None, radius) if args.beams.is_some() => {
+            Wanted::CountAlong { radius: scale.radius("--radius", radius.unwrap_or(0.0))? }
+        }
         (None, radius) => Wanted::Count { radius: scale.radius("--radius", radius.unwrap_or(0.0))? },
     };
     let (file, threads) = (&args.photons, args.threads);
-    let found = match backend::open(args.backend, threads)? {
+    let place = match (args.backend, &args.beams) {
+        (BackendName::Auto, Some(_)) => BackendName::Cpu,
+        (BackendName::Vulkan, Some(_)) => return Err(Fault::input(map_search::BEAMS_ON_CPU)),
+        (given, _) => given,
+    };
+    let found = match backend::open(place, threads)? {
         Chosen::Cpu(_) => map_search::on_cpu(threads, file, &photons, &queries, kind, wanted)?,
         Chosen::Vulkan(on) => map_search::on_vulkan(*on, &photons, &queries, kind, wanted)?,
     };
@@ -103,11 +120,12 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
     if let Some(path) = &args.neighbours {
         let rows = match wanted {
             Wanted::Nearest { k, .. } => npy::write_rows(path, &found.words, (queries.len(), k as usize, width)),
-            Wanted::Count { .. } => npy::write_u32(path, &found.words),
+            Wanted::Count { .. } | Wanted::CountAlong { .. } => npy::write_u32(path, &found.words),
         };
         written.file(path, rows);
     }
-    let rate = queries.len() as f64 / seconds_query.max(1e-12);
+    let answered = if args.beams.is_some() { queries.len() / 2 } else { queries.len() };
+    let rate = answered as f64 / seconds_query.max(1e-12);
     if let Some(path) = &args.json {
         let report = serde_json::json!({
             "backend": found.backend,
@@ -115,7 +133,8 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
             "threads": found.threads,
             "index": kind.name(),
             "photons": photons.len(),
-            "queries": queries.len(),
+            "queries": answered,
+            "beams": args.beams.is_some(),
             "k": args.k,
             "max_radius": args.max_radius,
             "radius": args.radius,
@@ -129,18 +148,19 @@ pub fn run(args: &MapArgs) -> Result<(), Fault> {
     say!(
         "wrote {written}: index of {} photons in {seconds_build:.3} s, {} queries in {seconds_query:.3} s ({rate:.0} per second)",
         photons.len(),
-        queries.len()
+        answered
     );
     written.result()
 }
 
-/// Rejects points that are not finite; the error has the index.
-fn finite(file: &Path, points: Vec<[f32; 3]>) -> Result<Vec<[f32; 3]>, Fault> {
+/// Rejects points that are not finite; the error has the index of the row, which is called `what` and has `each` points.
+fn finite(file: &Path, points: Vec<[f32; 3]>, what: &str, each: usize) -> Result<Vec<[f32; 3]>, Fault> {
     match points.iter().position(|point| point.iter().any(|c| !c.is_finite())) {
         None => Ok(points),
         Some(index) => Err(Fault::input(format!(
-            "{}: point {index} has the coordinates {:?}, which are not finite",
+            "{}: {what} {} has the coordinates {:?}, which are not finite",
             file.display(),
+            index / each,
             points[index]
         ))),
     }

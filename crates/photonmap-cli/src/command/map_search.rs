@@ -9,6 +9,9 @@ use photon_core::{Backend, IndexKind, Photon, Stage};
 
 use crate::fault::Fault;
 
+/// Beams are searched on one backend.
+pub(crate) const BEAMS_ON_CPU: &str = "--beams is searched on the CPU: leave out --backend, or use --backend cpu";
+
 /// The kind of search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Wanted {
@@ -16,6 +19,19 @@ pub(crate) enum Wanted {
     Nearest { k: u32, max_radius: f32 },
     /// Their number within the radius.
     Count { radius: f32 },
+    /// Their number within the radius of segments, of which two queries each are the ends.
+    CountAlong { radius: f32 },
+}
+
+impl Wanted {
+    /// Numbers in the answer to so many query points.
+    fn answers(self, queries: usize) -> usize {
+        match self {
+            Self::Nearest { k, .. } => queries * k as usize,
+            Self::Count { .. } => queries,
+            Self::CountAlong { .. } => queries / 2,
+        }
+    }
 }
 
 /// The result of a search.
@@ -52,18 +68,20 @@ pub(crate) fn on_cpu(
     let index = pool.install(|| PointIndex::build(photons, kind));
     let index = index.map_err(|why| Fault::input(format!("{}: {why}", file.display())))?;
     let seconds_build = begun.elapsed().as_secs_f64();
-    let width = match wanted {
-        Wanted::Nearest { k, .. } => k as usize,
-        Wanted::Count { .. } => 1,
-    };
-    let mut words = vec![0_u32; queries.len() * width];
+    let mut words = vec![0_u32; wanted.answers(queries.len())];
     let begun = Instant::now();
     pool.install(|| match wanted {
         Wanted::Count { radius } => {
             index.count_within_many(queries, radius * radius, &mut words);
             Ok(())
         }
-        Wanted::Nearest { max_radius, .. } => index.nearest_many(queries, width, max_radius * max_radius, &mut words),
+        Wanted::CountAlong { radius } => {
+            index.count_near_segments(queries.as_chunks::<2>().0, radius, &mut words);
+            Ok(())
+        }
+        Wanted::Nearest { k, max_radius } => {
+            index.nearest_many(queries, k as usize, max_radius * max_radius, &mut words)
+        }
     })
     .map_err(Fault::failure)?;
     let seconds_query = begun.elapsed().as_secs_f64();
@@ -96,6 +114,7 @@ pub(crate) fn on_vulkan(
     let answers = match wanted {
         Wanted::Nearest { k, max_radius } => on.nearest(&map, &queries, k, max_radius)?,
         Wanted::Count { radius } => on.count_within(&map, &queries, radius)?,
+        Wanted::CountAlong { .. } => return Err(Fault::input(BEAMS_ON_CPU)),
     };
     on.mark(None);
     let seconds_query = spent(&mut on, Stage::Estimate, begun)?;

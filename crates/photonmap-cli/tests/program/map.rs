@@ -4,9 +4,14 @@ use std::path::Path;
 
 use crate::support::{folder, has_vulkan, photonmap, refused};
 
-/// A .npy file of float32.
+/// A .npy file of points.
 fn save(path: &Path, points: &[[f32; 3]]) {
-    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, 3), }}", points.len());
+    save_as(path, &format!("({}, 3)", points.len()), points);
+}
+
+/// A .npy file of float32.
+fn save_as(path: &Path, shape: &str, points: &[[f32; 3]]) {
+    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
     while (11 + header.len()) % 64 != 0 {
         header.push(' ');
     }
@@ -94,6 +99,64 @@ fn the_map_finds_what_brute_force_finds() {
         save(&p, &photons);
         save(&q, &queries);
     }
+}
+
+/// Photons near segments, beside brute force; at a radius that many of them have exactly, and one that none has.
+#[test]
+fn beams_find_what_brute_force_finds() {
+    let folder = folder("map-beams");
+    let point = |i: u32| [i % 7, i / 7 % 5, i / 35 % 3].map(|c| c as f32 * 0.25);
+    let photons: Vec<_> = (0..200).map(point).collect();
+    // Along axes, askew, beyond the photons, and of no length.
+    let ends = |i: u32| match i % 4 {
+        0 => [point(i), [9.0, point(i)[1], point(i)[2]]],
+        1 => [point(i * 11 + 3), point(i * 31 + 17).map(|c| c + 0.1)],
+        2 => [[-20.0, 1.0, 3.0], point(i * 5).map(|c| 2.0 * c)],
+        _ => [point(i), point(i)],
+    };
+    let beams: Vec<_> = (0..40).map(ends).collect();
+    let (p, b, out) = (folder.join("p.npy"), folder.join("b.npy"), folder.join("out.npy"));
+    save(&p, &photons);
+    for (radius, shape, index) in [(0.25, "(40, 2, 3)", "morton"), (0.4, "(40, 6)", "vvh"), (0.25, "(40, 6)", "median")]
+    {
+        save_as(&b, shape, beams.as_flattened());
+        let mut command = photonmap("map");
+        command.arg("--photons").arg(&p).arg("--beams").arg(&b).arg("--neighbours").arg(&out);
+        let output = command.args(["--radius", &radius.to_string(), "--index", index, "--json", "-"]).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(
+            (&report["backend"], &report["beams"], &report["queries"]),
+            (&"cpu".into(), &true.into(), &40.into())
+        );
+        let (header, counts) = load(&out);
+        assert!(header.contains("(40,)"), "{header}");
+        for (number, ([a, b], count)) in beams.iter().zip(counts).enumerate() {
+            let near = |photon: &&[f32; 3]| {
+                let [axis, to]: [[f64; 3]; 2] =
+                    [b, *photon].map(|end| std::array::from_fn(|i| f64::from(end[i]) - f64::from(a[i])));
+                let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+                let foot = (dot(axis, to) / dot(axis, axis).max(1e-30)).clamp(0.0, 1.0);
+                let beside = [0, 1, 2].map(|i| to[i] - foot * axis[i]);
+                dot(beside, beside) <= f64::from(radius as f32) * f64::from(radius as f32)
+            };
+            assert_eq!(count as usize, photons.iter().filter(near).count(), "{number} {radius} {index}");
+        }
+    }
+    let (photons, beams) = (p.to_str().unwrap(), b.to_str().unwrap());
+    for (arguments, culprit) in [
+        (&["--beams", beams][..], "--radius"),
+        (&["--beams", beams, "--k", "3"], "--radius"),
+        (&["--beams", beams, "--queries", photons, "--radius", "1"], "--queries"),
+        (&["--beams", photons, "--radius", "1"], "shape (200,3); give a float32 array of shape (N, 2, 3)"),
+        (&["--beams", beams, "--radius", "-1"], "--radius is -1"),
+        (&["--beams", beams, "--radius", "1", "--backend", "vulkan"], "--beams is searched on the CPU"),
+    ] {
+        refused(&photonmap("map").args(["--photons", photons]).args(arguments).output().unwrap(), culprit);
+    }
+    save_as(&b, "(1, 6)", &[[0.0; 3], [f32::INFINITY, 0.0, 0.0]]);
+    let output = photonmap("map").args(["--photons", photons, "--beams", beams, "--radius", "1"]).output().unwrap();
+    refused(&output, "b.npy: segment 0 has the coordinates [inf");
 }
 
 /// Rows are as long as was asked for, but take no memory while few photons are searched: 2³¹ columns would take 8 GiB.

@@ -19,7 +19,7 @@ pub fn write(path: &Path, save: impl FnOnce(&mut BufWriter<File>) -> Result<(), 
 /// Writes bytes, with the same guarantees.
 ///
 /// # Errors
-/// As [`write()`].
+/// Those of [`write()`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Fault> {
     photon_film::atomic_write::write_bytes(path, bytes).map_err(|why| Fault::writing(path, why))
 }

@@ -21,7 +21,7 @@ pub struct Denoiser(library::Oidn);
 pub struct Denoised {
     /// Linear RGB, W/(m²·sr), row by row from the top.
     pub pixels: Vec<[f32; 3]>,
-    /// How it was made, for the file.
+    /// Description of its making, for the file.
     pub note: String,
 }
 

@@ -9,7 +9,7 @@ pub struct Difference {
     pub mean: f64,
     /// Root mean square of the differences over the mean of the first.
     pub rms: f64,
-    /// The same of the first film's own estimate of its standard errors: its noise.
+    /// Noise: root mean square of the first film's own estimate of its standard errors, over the mean of the first.
     pub noise: f64,
     /// Fraction of the pixels that differ by more than a hundredth of the mean.
     pub apart: f64,
@@ -49,7 +49,7 @@ pub fn picture(a: &Film, b: &Film, gain: f32) -> Vec<u8> {
     signed(&a.beauty(), &b.beauty(), gain)
 }
 
-/// As [`picture`], for pixels; if the first picture is black everywhere, differences are absolute.
+/// Pixels of [`picture`] for two pictures; if the first is black everywhere, differences are absolute.
 #[must_use]
 pub fn signed(left: &[[f32; 3]], right: &[[f32; 3]], gain: f32) -> Vec<u8> {
     let level = left.iter().flatten().sum::<f32>() / (3 * left.len()) as f32;

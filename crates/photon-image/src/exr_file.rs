@@ -20,10 +20,10 @@ pub fn write(path: &Path, film: &Film, alpha: bool, attributes: &[(String, Strin
     write_as(path, film, film.beauty(), alpha, attributes)
 }
 
-/// As [`write()`], with another picture of as many pixels in `R G B`, for example a denoised one.
+/// Writes a film like [`write()`], with another picture of as many pixels in `R G B`, for example a denoised one.
 ///
 /// # Errors
-/// As [`write()`].
+/// Those of [`write()`].
 pub fn write_as(
     path: &Path,
     film: &Film,

@@ -54,7 +54,7 @@ pub fn map(reference: &[[f32; 3]], test: &[[f32; 3]], width: usize, pixels_per_d
 /// The mean of [`map`], which the paper uses as the difference of two pictures.
 ///
 /// # Panics
-/// As [`map`].
+/// Those of [`map`].
 #[must_use]
 pub fn mean(reference: &[[f32; 3]], test: &[[f32; 3]], width: usize, pixels_per_degree: f64) -> f64 {
     let all = map(reference, test, width, pixels_per_degree);

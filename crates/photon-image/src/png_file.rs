@@ -29,7 +29,7 @@ impl Picture {
         Self::of(film, film.beauty(), transparent)
     }
 
-    /// The same with other colours of as many pixels, for example denoised ones.
+    /// The picture with other colours of as many pixels, for example denoised ones.
     #[must_use]
     pub fn of(film: &Film, mut colours: Vec<[f32; 3]>, transparent: bool) -> Self {
         let alpha = transparent.then(|| film.alpha());

@@ -1,4 +1,4 @@
-//! Where `pip install pyoidn` puts Open Image Denoise.
+//! Folders into which `pip install pyoidn` puts Open Image Denoise.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

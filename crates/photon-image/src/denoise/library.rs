@@ -11,7 +11,7 @@ use super::installed::by_pip;
 /// Environment variable with the path of the library.
 pub(super) const VARIABLE: &str = "PHOTON_OIDN";
 
-/// Where it is looked for without the variable, after the packages of Python: the search path of the system.
+/// Names that are looked for in the search path of the system, after the variable and the packages of Python.
 const NAMES: [&str; 4] =
     ["libOpenImageDenoise.so.2", "libOpenImageDenoise.so", "libOpenImageDenoise.2.dylib", "OpenImageDenoise.dll"];
 

@@ -118,7 +118,7 @@ pub(super) fn corners(geometry: &Geometry, triangle: u32) -> [DVec3; 3] {
     geometry.triangles[triangle as usize].map(|vertex| Vec3::from_array(geometry.positions[vertex as usize]).as_dvec3())
 }
 
-/// Where the projections of two triangles into the plane of the larger one overlap.
+/// Overlap of the projections of two triangles into the plane of the larger one.
 #[derive(Debug)]
 pub(super) struct Overlap {
     pub(super) area: f64,

@@ -57,7 +57,7 @@ struct Point {
     plane: usize,
     medium: Option<SolidMedium>,
     at: DVec3,
-    /// How often the boundaries of the medium enclose it.
+    /// Number of times that the boundaries of the medium enclose it.
     winding: i32,
 }
 

@@ -14,15 +14,15 @@ impl EnvironmentDesc {
     /// and a line if it had texels that were negative or NaN, which become 0.
     ///
     /// # Errors
-    /// As [`load_image`]; [`SceneError::Environment`] for an infinite texel.
+    /// Those of [`load_image`]; [`SceneError::Environment`] for an infinite texel.
     pub fn read(path: &Path, report: &mut LoadReport) -> Result<Self, SceneError> {
         Self::read_within(path, report, &Budget::unlimited())
     }
 
-    /// As [`Self::read`], with options: a limit on memory.
+    /// Reads an image with options: a limit on memory.
     ///
     /// # Errors
-    /// As [`Self::read`], and [`SceneError::Memory`] for an image that does not fit, before it is decoded.
+    /// Those of [`Self::read`], and [`SceneError::Memory`] for an image that does not fit, before it is decoded.
     pub fn read_with(path: &Path, report: &mut LoadReport, options: &LoadOptions) -> Result<Self, SceneError> {
         Self::read_within(path, report, &Budget::new(options))
     }

@@ -21,11 +21,11 @@ use photon_core::EnvironmentMap;
 
 use crate::error::SceneError;
 
-/// Where the light of an environment comes from. Radiances are in W/(m²·sr), finite and ≥ 0.
+/// Source of the light of an environment. Radiances are in W/(m²·sr), finite and ≥ 0.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum EnvironmentSource {
-    /// The same radiance from all directions.
+    /// Equal radiance from all directions.
     Constant {
         /// The radiance.
         radiance: [f64; 3],
@@ -64,7 +64,7 @@ pub struct EnvironmentDesc {
     pub scale: f64,
 }
 
-/// What an [`EnvironmentDesc`] describes: a map, and the sun.
+/// Content of an [`EnvironmentDesc`]: a map, and the sun.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Environment {
@@ -96,7 +96,7 @@ impl Sun {
         Self { direction, irradiance, radius_degrees: Self::RADIUS_DEGREES }
     }
 
-    /// The same with another [`Self::radius_degrees`].
+    /// The sun with another [`Self::radius_degrees`].
     #[must_use]
     pub fn with_radius_degrees(self, radius_degrees: f64) -> Self {
         Self { radius_degrees, ..self }
@@ -108,7 +108,7 @@ impl EnvironmentDesc {
         Self { name: name.into(), source, rotate_degrees: 0.0, scale: 1.0 }
     }
 
-    /// The same radiance from all directions, W/(m²·sr).
+    /// Equal radiance from all directions, W/(m²·sr).
     #[must_use]
     pub fn constant(radiance: [f64; 3]) -> Self {
         let [r, g, b] = radiance;
@@ -129,13 +129,13 @@ impl EnvironmentDesc {
         Self::new(name, EnvironmentSource::Sky { elevation_degrees, turbidity })
     }
 
-    /// The same with this [`Self::rotate_degrees`].
+    /// The environment with this [`Self::rotate_degrees`].
     #[must_use]
     pub fn rotated(self, rotate_degrees: f64) -> Self {
         Self { rotate_degrees, ..self }
     }
 
-    /// The same with this [`Self::scale`].
+    /// The environment with this [`Self::scale`].
     #[must_use]
     pub fn scaled(self, scale: f64) -> Self {
         Self { scale, ..self }

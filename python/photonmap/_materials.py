@@ -43,6 +43,12 @@ def number(name: str, value: Any) -> float:
     return result
 
 
+def phase(name: str, anisotropy: Any, droplet_micrometres: Any) -> tuple[str, float, float | None]:
+    """The arguments of a phase function."""
+    droplets = None if droplet_micrometres is None else number("droplet_micrometres", droplet_micrometres)
+    return str(name), number("anisotropy", anisotropy), droplets
+
+
 def diffuse_transmission(share: Any, color: Any) -> tuple[float, list[float]]:
     """Share and colour."""
     return number("diffuse_transmission", share), triple("diffuse_transmission_color", color)
@@ -129,9 +135,9 @@ class Material:
             result.append((use, added[key], texture.uv_set))
         return result
 
-    def _scattering(self) -> tuple[list[float], float]:
-        """Coefficient and mean cosine."""
-        return [0.0] * 3, 0.0
+    def _scattering(self) -> tuple[list[float], tuple[str, float, float | None]]:
+        """Coefficient and phase function."""
+        return [0.0] * 3, ("hg", 0.0, None)
 
     def _dispersion(self) -> list[float]:
         """None, or the 1, 2 or 6 numbers of a formula."""
@@ -176,8 +182,8 @@ class Glass(Material):
     """A solid of glass, whose mesh must be closed and face outwards; `thin`: a pane without thickness.
 
     `ior`: refractive index; of 1, the boundary of mist or smoke. `absorption`, `scattering` (milk, wax): per unit of length.
-    `anisotropy`: mean cosine of the scattering, in (-1, 1). `tint` multiplies the light at each crossing. `roughness` in
-    [0, 1]; 0 is smooth.
+    `phase`: "hg" (Henyey and Greenstein) with the mean cosine `anisotropy` of the scattering, in (-1, 1); "rayleigh"; or "mie"
+    with `droplet_micrometres`, 5 to 50. `tint` multiplies the light at each crossing. `roughness` in [0, 1]; 0 is smooth.
 
     Light is dispersed by at most one of `abbe`, the Abbe number, > 0; `cauchy`, `(A, B)` of n = A + B/λ²; and `sellmeier`,
     `(B1, B2, B3, C1, C2, C3)` of n² = 1 + Σ Bλ²/(λ² − C), λ in micrometres. The last two replace `ior`. Not for thin panes.
@@ -193,9 +199,11 @@ class Glass(Material):
     sellmeier: Any = None
     scattering: Any = 0.0
     anisotropy: float = 0.0
+    phase: str = "hg"
+    droplet_micrometres: float | None = None
 
-    def _scattering(self) -> tuple[list[float], float]:
-        return triple("scattering", self.scattering), number("anisotropy", self.anisotropy)
+    def _scattering(self) -> tuple[list[float], tuple[str, float, float | None]]:
+        return triple("scattering", self.scattering), phase(self.phase, self.anisotropy, self.droplet_micrometres)
 
     def _dispersion(self) -> list[float]:
         formulas = (("abbe", 1), ("cauchy", 2), ("sellmeier", 6))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ._errors import InputError, SceneWarning, warn
 from ._materials import Lambert, Material, number, triple, vector
+from ._materials import phase as phase_arguments
 from ._photonmap import RawBuilder, RawScene, environment_text
 
 __all__ = ["Scene"]
@@ -170,14 +171,24 @@ class Scene:
         radiance = [channel * factor for channel in triple("environment", light)]
         return self._call("environment_constant", radiance)
 
-    def medium(self, *, scattering: Any = 0.0, absorption: Any = 0.0, anisotropy: float = 0.0) -> Scene:
+    def medium(
+        self,
+        *,
+        scattering: Any = 0.0,
+        absorption: Any = 0.0,
+        anisotropy: float = 0.0,
+        phase: str = "hg",
+        droplet_micrometres: float | None = None,
+    ) -> Scene:
         """Sets the medium around all solids, without bounds: fog, haze. Light from infinitely far away does not pass it.
 
-        `scattering`, `absorption`: coefficients per unit of length, a number or RGB. `anisotropy`: mean cosine of the
-        Henyey-Greenstein phase function, in (-1, 1): 0 scatters evenly, 1 forwards.
+        `scattering`, `absorption`: coefficients per unit of length, a number or RGB. `phase`: "hg" (Henyey and Greenstein) with
+        the mean cosine `anisotropy`, in (-1, 1): 0 scatters evenly, 1 forwards; "rayleigh" for air; or "mie" for fog, with
+        droplets of `droplet_micrometres`, 5 to 50.
         """
         coefficients = triple("scattering", scattering), triple("absorption", absorption)
-        return self._call("medium", *coefficients, number("anisotropy", anisotropy))
+        function = phase_arguments(phase, anisotropy, droplet_micrometres)
+        return self._call("medium", *coefficients, function)
 
     def portal(self, opening: Any, *, name: str = "portal") -> Scene:
         """Declares an opening, such as a window, where photons of light from infinitely far away start more often.

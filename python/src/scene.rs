@@ -6,8 +6,8 @@ use std::sync::Arc;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
     AmbientMedium, CameraDesc, Dispersion, EnvironmentDesc, EnvironmentName, LightDesc, LoadOptions, LoadReport,
-    MaterialDesc, MaterialId, Overrides, Projection, ReportKind, Scene, SceneBuilder, Sun, Surface, TextureDesc,
-    TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with, summed_up,
+    MaterialDesc, MaterialId, Overrides, PhaseDesc, PhaseKeys, Projection, ReportKind, Scene, SceneBuilder, Sun,
+    Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with, summed_up,
 };
 use pyo3::prelude::*;
 
@@ -43,6 +43,16 @@ pub(crate) fn environment_text(text: &str) -> PyResult<(&'static str, Vec<f64>)>
 
 /// A surface: its kind and numbers by position.
 type SurfaceNumbers = (String, [f64; 3], [f64; 3], f64, f64, f64);
+
+/// A phase function: its kind, mean cosine, and diameter of droplets.
+type PhaseArguments = (String, f64, Option<f64>);
+
+/// The phase function with these arguments; a mean cosine of 0 is the default, which all kinds have.
+fn phase((name, anisotropy, droplet_micrometres): &PhaseArguments) -> PyResult<PhaseDesc> {
+    let anisotropy = (*anisotropy != 0.0).then_some(*anisotropy);
+    let keys = PhaseKeys { phase: Some(name), anisotropy, droplet_micrometres: *droplet_micrometres };
+    Ok(PhaseDesc::default().with_keys(keys).map_err(Failure::from)?)
+}
 
 #[pymethods]
 impl RawBuilder {
@@ -89,7 +99,7 @@ impl RawBuilder {
 
     /// Adds a material and returns its number. `surface`: kind, colour, second colour, ior, roughness, specular. `clearcoat`:
     /// weight and roughness; `sheen`: colour and roughness; `diffuse_transmission`: share and colour; `transmission`: share
-    /// and absorption; `scattering`: coefficient and mean cosine; `dispersion`: no number, or the 1, 2 or 6 of its formula; `textures`: see [`TextureUses`].
+    /// and absorption; `scattering`: coefficient and phase function; `dispersion`: no number, or the 1, 2 or 6 of its formula; `textures`: see [`TextureUses`].
     #[expect(clippy::too_many_arguments, reason = "called by Python alone, by position")]
     fn material(
         &mut self,
@@ -101,7 +111,7 @@ impl RawBuilder {
         sheen: ([f64; 3], f64),
         diffuse_transmission: (f64, [f64; 3]),
         transmission: (f64, Option<[f64; 3]>),
-        scattering: ([f64; 3], f64),
+        scattering: ([f64; 3], PhaseArguments),
         dispersion: Vec<f64>,
         textures: TextureUses,
     ) -> PyResult<usize> {
@@ -124,7 +134,7 @@ impl RawBuilder {
             .with_sheen(sheen.0, sheen.1)
             .with_diffuse_transmission(diffuse_transmission.0, diffuse_transmission.1)
             .with_transmission(transmission.0, transmission.1)
-            .with_scattering(scattering.0, scattering.1);
+            .with_scattering(scattering.0, phase(&scattering.1)?);
         let desc = match dispersion[..] {
             [] => desc,
             [abbe] => desc.with_dispersion(Dispersion::Abbe(abbe)),
@@ -251,8 +261,9 @@ impl RawBuilder {
     }
 
     /// The medium around all solids.
-    fn medium(&mut self, scattering: [f64; 3], absorption: [f64; 3], anisotropy: f64) {
-        self.builder.medium(AmbientMedium::new(scattering, absorption).with_anisotropy(anisotropy));
+    fn medium(&mut self, scattering: [f64; 3], absorption: [f64; 3], function: PhaseArguments) -> PyResult<()> {
+        self.builder.medium(AmbientMedium::new(scattering, absorption).with_phase(phase(&function)?));
+        Ok(())
     }
 
     /// The triangles of an opening, three corners each, flat.

@@ -7,10 +7,16 @@
 
 layout(local_size_x_id = 1) in;
 
+// All phase functions.
+const uint MEDIA = 16u;
+
 #include "probe/probe.glsl"
 #include "shading/equiangular.glsl"
 #include "shading/flight.glsl"
 #include "shading/phase.glsl"
+
+// A phase function of this kind.
+Phase phase_from(vec4 a, float kind) { return Phase(uint(kind), a.x, a.y, a.z, a.w); }
 
 // Scattering, absorption, power; length of the stretch, and two random numbers.
 Output probe(vec4 a, vec4 b, vec4 c, Input words) {
@@ -19,9 +25,9 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
     medium.absorption = b.xyz;
     float end = a.w, u = b.w, v = c.w;
     switch (FUNCTION) {
-        // The anisotropy and a cosine; a direction and two random numbers.
-        case 0u: return floats(vec4(phase_value(a.x, a.y), 0.0, 0.0, 0.0), vec4(0.0));
-        case 1u: return floats(vec4(phase_sample(a.x, b.xyz, u, v), 0.0), vec4(0.0));
+        // A phase function; two directions, or one and two random numbers.
+        case 0u: return floats(vec4(phase_value(phase_from(a, b.w), b.xyz, c.xyz), 0.0, 0.0, 0.0), vec4(0.0));
+        case 1u: return floats(vec4(phase_sample(phase_from(a, c.x), b.xyz, u, v), 0.0), vec4(0.0));
         case 2u: {
             Flight flight = flight_sample(medium, c.xyz, end, u, v);
             float far = flight.collides ? flight.distance : -1.0;

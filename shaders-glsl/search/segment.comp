@@ -43,7 +43,7 @@ Segment segment;
 // Its medium.
 uint index_of_medium;
 vec3 extinction;
-float anisotropy;
+Phase phase;
 float scale;
 // Feet on its line that count: by several radii beyond its ends, which are oblique planes.
 vec2 range;
@@ -68,7 +68,7 @@ void add(uint place, inout vec3 sum) {
     if (floatBitsToUint(d2) >= limit || foot < range.x || foot > range.y) return;
     if (staged[place].w != index_of_medium || !segment_contains(segment, gap)) return;
     float weight = kernel_weight(KERNEL, min(d2 * scale, 1.0))
-        * phase_value(anisotropy, dot3(directions[place], segment.direction));
+        * phase_value(phase, directions[place], segment.direction);
     sum += powers[place] * weight * exp_neg3(extinction * max(foot, 0.0));
     photons++;
 }
@@ -137,7 +137,7 @@ void main() {
         index_of_medium = media_current(scene, segment.media);
         Medium medium = scene.media[index_of_medium].at;
         extinction = medium_extinction(medium);
-        anisotropy = medium.anisotropy;
+        phase = phase_of(medium);
         precise float wanted = push.queries[index].at.radius * push.radius;
         // In dense media photons are closer together than a mean free path, or are noise.
         precise float most = 0.5 / max(max(extinction.x, extinction.y), extinction.z);

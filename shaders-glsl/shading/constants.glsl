@@ -27,10 +27,15 @@ const uint MEDIA_NESTED = 1u;
 const uint MEDIA_DISPERSION = 2u;
 const uint MEDIA_SCATTERING = 4u;
 const uint MEDIA_AMBIENT = 8u;
+const uint MEDIA_PHASES = 16u;
 
 // Medium::dispersion.
 const uint MEDIUM_CAUCHY = 1u;
 const uint MEDIUM_SELLMEIER = 2u;
+
+// Medium::phase.
+const uint MEDIUM_RAYLEIGH = 1u;
+const uint MEDIUM_MIE = 2u;
 
 // Light::flags.
 const uint LIGHT_BOTH_SIDES = 1u;
@@ -93,6 +98,7 @@ const uint FLAT_TRIANGLE = 2147516416u;
 // RandomKind.
 const uint RANDOM_COUNTER = 0u;
 const uint RANDOM_LCG = 1u;
+const uint RANDOM_SOBOL = 2u;
 
 // random::Domain.
 const uint DOMAIN_PHOTON = 0u;
@@ -118,6 +124,8 @@ const uint WAVELENGTH_STEP = 2654435769u;
 // Kernel::number.
 const uint KERNEL_CONSTANT = 0u;
 const uint KERNEL_EPANECHNIKOV = 1u;
+const uint KERNEL_CONE = 2u;
+const uint KERNEL_BIWEIGHT = 3u;
 
 // Layer.
 const uint LAYER_EMISSION = 0u;

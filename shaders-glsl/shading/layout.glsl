@@ -81,6 +81,8 @@ struct Medium {
     float terms[6];
     vec3 scattering;
     float anisotropy;
+    uint phase;
+    float draine[3];
 };
 
 struct Light {

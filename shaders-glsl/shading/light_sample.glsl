@@ -2,9 +2,9 @@
 #ifndef LIGHT_SAMPLE_GLSL
 #define LIGHT_SAMPLE_GLSL
 
-#include "shading/coated_light.glsl"
 #include "shading/constants.glsl"
 #include "shading/environment.glsl"
+#include "shading/light_intensity.glsl"
 #include "shading/offset.glsl"
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
@@ -52,17 +52,6 @@ LightView light_view(Emission area_light, Light light, vec3 from) {
     view.near = solid_angle_is_near(view.a, view.b, view.c);
     return view;
 }
-
-// A sampled point on a light.
-struct Target {
-    vec3 to;
-    // The normal of an area light on the side that the ray arrives at.
-    vec3 front;
-    // The reciprocal of the density per solid angle; 0 if the point is uniform in area.
-    float per_pdf;
-    // Its barycentric coordinates on the triangle of an area light.
-    vec2 weights;
-};
 
 // Samples a point of a triangle, on the side that faces the query; returns false if none does.
 bool at_area_light(
@@ -132,36 +121,17 @@ bool light_sample(SceneRef scene, uint index, vec3 from, vec3 normal, uvec4 word
     float far = sqrt(square);
     vec3 direction = gap / far;
     found.ray = Ray(from, direction, far);
-    vec3 power = light.power;
-    if (TEXTURED_LIGHTS && light.kind == LIGHT_TRIANGLE) {
-        uint slot = scene.emissions[index].at.slot;
-        power *= shade_emission_ratio(scene, light, slot, target.weights.x, target.weights.y);
-    }
-    if (COATED_LIGHTS && light.kind == LIGHT_TRIANGLE) {
-        power *= emission_through(scene, scene.emissions[index].at.slot, target.weights.x, target.weights.y, -direction);
-    }
-    // A two-sided light splits its power between its sides; only the one facing the query contributes.
-    float sides = (light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0;
     if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && target.per_pdf > 0.0) {
         // The radiance is the power divided by π and the area.
-        found.color = power * sides;
+        found.color = light_power_from_area(scene, index, light, target.weights, direction);
         found.factor = target.per_pdf * 0.318309886 / light.area;
         found.pdf = 1.0 / target.per_pdf;
         return true;
     }
     found.divisor = square;
-    // Radiant intensity towards the query.
-    if ((FEATURES & FEATURE_POINT_LIGHTS) != 0 && light.kind == LIGHT_POINT) {
-        found.color = light.power * 0.0795774715;
-    } else if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0 && light.kind == LIGHT_SPOT) {
-        float off = sampling_versine(-direction, light.direction);
-        float falloff = spot_falloff(off, light.versine_inner, light.versine_outer);
-        found.color = light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
-    } else {
-        // All its power, as if it left from this point with a Lambertian cosine.
-        float cosine = -dot3(direction, target.front);
-        found.color = power * sides * max(cosine * 0.318309886, 0.0);
-        found.pdf = square / (light.area * cosine);
+    found.color = light_intensity(scene, index, light, target, direction);
+    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE) {
+        found.pdf = square / (light.area * -dot3(direction, target.front));
     }
     return found.color != vec3(0.0);
 }

@@ -16,8 +16,8 @@ layout(constant_id = 3) const uint MEDIA = 4;
 #include "device/grid.glsl"
 #include "shading/layout.glsl"
 #include "shading/math.glsl"
-#include "shading/coated_light.glsl"
 #include "shading/equiangular.glsl"
+#include "shading/light_intensity.glsl"
 #include "shading/phase.glsl"
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
@@ -77,71 +77,46 @@ LightSampler lights_along(Segment segment) {
     return light_sampler;
 }
 
-// A point on a light.
-struct Emitter {
-    vec3 at;
-    vec3 normal;
-    vec2 weights;
-};
-
-// Evenly over the area; false for light from infinity.
-bool emitter_sample(uint index, Light light, uvec2 point, out Emitter emitter) {
-    emitter = Emitter(light.position, vec3(0.0), vec2(0.0));
+// A point evenly over the area of light `index`; false for light from infinity.
+bool sample_evenly(uint index, Light light, uvec2 point, out Target target) {
+    target = Target(light.position, vec3(0.0), 0.0, vec2(0.0));
     if (light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT) return false;
     if (light.kind == LIGHT_TRIANGLE) {
         Emission area_light = push.scene.emissions[index].at;
-        emitter.weights = sampling_triangle(unit_f32(point.x), unit_f32(point.y));
-        emitter.at = barycentric(area_light.a, area_light.b, area_light.c, emitter.weights.x, emitter.weights.y);
-        emitter.normal = area_light.normal;
+        target.weights = sampling_triangle(unit_f32(point.x), unit_f32(point.y));
+        target.to = barycentric(area_light.a, area_light.b, area_light.c, target.weights.x, target.weights.y);
+        target.front = area_light.normal;
     }
     return true;
-}
-
-// Radiant intensity of a light against `direction`; of an area light that of all of its power, as if emitted here.
-vec3 intensity_of(uint index, Light light, vec3 front, vec2 weights, vec3 direction) {
-    if ((FEATURES & FEATURE_POINT_LIGHTS) != 0 && light.kind == LIGHT_POINT) return light.power * 0.0795774715;
-    if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0 && light.kind == LIGHT_SPOT) {
-        float off = sampling_versine(-direction, light.direction);
-        float falloff = spot_falloff(off, light.versine_inner, light.versine_outer);
-        return light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
-    }
-    float sides = (light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0;
-    vec3 radiance = light.power * (sides * max(-dot3(direction, front) * 0.318309886, 0.0));
-    uint slot = push.scene.emissions[index].at.slot;
-    // A ratio to the power of the light.
-    if (TEXTURED_LIGHTS) radiance *= shade_emission_ratio(push.scene, light, slot, weights.x, weights.y);
-    if (COATED_LIGHTS) radiance *= emission_through(push.scene, slot, weights.x, weights.y, -direction);
-    return radiance;
 }
 
 // Radiance by way of a place on the segment, chosen by `choice`, and a point on a light, over the density of both.
 vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alpha) {
     Light light = push.scene.lights[index].at;
-    Emitter emitter;
-    if (!emitter_sample(index, light, point, emitter)) return vec3(0.0);
+    Target target;
+    if (!sample_evenly(index, light, point, target)) return vec3(0.0);
     uint medium_index = media_current(push.scene, segment.media);
     Medium medium = push.scene.media[medium_index].at;
     vec3 extinction = medium_extinction(medium);
     precise float mean = flight_total(extinction) / 3.0;
-    Equiangular angles = equiangular_new(segment.origin, segment.direction, segment.far, emitter.at);
+    Equiangular angles = equiangular_new(segment.origin, segment.direction, segment.far, target.to);
     // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
     float far = choice < 0.5 ? min(equiangular_sample(angles, 2.0 * choice), segment.far)
                              : exponential_sample(mean, segment.far, 2.0 * choice - 1.0);
     float density =
         0.5 * (equiangular_density(angles, far) + exponential_density(mean, segment.far, far));
     precise vec3 from = segment.origin + segment.direction * far;
-    vec3 front = emitter.normal;
-    if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(front, from - emitter.at) < 0.0) front = -front;
-    vec3 to = light.kind == LIGHT_TRIANGLE ? off_surface(emitter.at, front) : emitter.at;
-    precise vec3 gap = to - from;
+    if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(target.front, from - target.to) < 0.0) target.front = -target.front;
+    if (light.kind == LIGHT_TRIANGLE) target.to = off_surface(target.to, target.front);
+    precise vec3 gap = target.to - from;
     float square = dot3(gap, gap);
     if (!(square > 0.0)) return vec3(0.0);
     float away = sqrt(square);
     precise vec3 direction = gap / away;
-    vec3 intensity = intensity_of(index, light, front, emitter.weights, direction);
+    vec3 intensity = light_intensity(push.scene, index, light, target, direction);
     Ray ray = Ray(from, direction, away);
     if (intensity == vec3(0.0) || occluded(push.scene, ray, alpha)) return vec3(0.0);
-    float phase = phase_value(medium.anisotropy, dot3(direction, segment.direction));
+    float phase = phase_value(phase_of(medium), direction, segment.direction);
     Ray seen = Ray(segment.origin, segment.direction, far);
     vec3 passes = stretch_transmittance(push.scene, medium_index, seen, 0.0, far)
         * transmittance(push.scene, ray, away, segment.media);

@@ -71,7 +71,7 @@ uint cross_medium(inout Path path, uint media, uint index, float from, float to)
     path.power = flight.power;
     if (!flight.collides) return CROSSING_PASSES;
     uvec4 turn = medium_words(path.numbers, DOMAIN_FLIGHT, 2u * event + 1u);
-    vec3 direction = phase_sample(medium.anisotropy, path.ray.direction, unit_f32(turn.x), unit_f32(turn.y));
+    vec3 direction = phase_sample(phase_of(medium), path.ray.direction, unit_f32(turn.x), unit_f32(turn.y));
     path.ray = Ray(along(path.ray, from + flight.distance), direction, NO_LIMIT);
     path.media = media;
     path.specular_only = false;

@@ -56,6 +56,7 @@ pub mod partial_transmission;
 pub mod photon_formats;
 pub mod portals;
 pub mod precision;
+pub mod rainbow;
 pub mod required_format;
 pub mod rough_glass;
 pub mod rough_glass_photons;
@@ -161,9 +162,10 @@ macro_rules! whole_suite {
                 p22_prism, p24_slab, even_light_stays_white, gathered_light_stays_white,
                 dispersion_is_required_where_it_is,
             }
+            rainbow::{ p21_rainbow }
             media::{
                 p2_airlight, p2_sees_the_direction_of_scattering, p3_shaft, p10_slabs, p12_furnace, p13_body_in_even_light,
-                p14_endless_fog, paths_are_accounted_for, what_media_do_not_go_with_is_refused,
+                p14_endless_fog, memory_is_limited_with_a_mirror, paths_are_accounted_for, what_media_do_not_go_with_is_refused,
             }
             nesting::{
                 p20_glass_on_water, camera_in_three_solids, light_in_two_solids, a_fifth_solid_is_counted,

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
-use photon_core::{Direct, Film, Layer, Medium, PassEnd, Pipeline, Render as _, SceneView, Settings, View};
+use photon_core::phase::{Mie, Phase};
+use photon_core::{Direct, Error, Film, Layer, Medium, PassEnd, Pipeline, Render as _, SceneView, Settings, View};
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, shapes};
 
 use crate::harness::{TestBackend, direct_settings};
@@ -13,13 +14,14 @@ use crate::stats::{assert_agrees, moments, standard_error};
 struct Fog {
     scattering: [f64; 3],
     absorption: [f64; 3],
-    anisotropy: f64,
+    phase: Phase,
 }
 
 impl Fog {
     /// Grey, of this extinction and albedo.
     fn new(extinction: f64, albedo: f64, anisotropy: f64) -> Self {
-        Self { scattering: [extinction * albedo; 3], absorption: [extinction * (1.0 - albedo); 3], anisotropy }
+        let phase = Phase::HenyeyGreenstein(anisotropy as f32);
+        Self { scattering: [extinction * albedo; 3], absorption: [extinction * (1.0 - albedo); 3], phase }
     }
 
     /// The table of media of a scene, with this one as entry `index`.
@@ -28,7 +30,7 @@ impl Fog {
         let length = scene.units().length_to_user(1.0);
         let normalised = |coefficients: [f64; 3]| coefficients.map(|c| (c * length) as f32);
         let (scattering, absorption) = (normalised(self.scattering), normalised(self.absorption));
-        media[index] = Medium { scattering, absorption, anisotropy: self.anisotropy as f32, ..media[index] };
+        media[index] = Medium { scattering, absorption, ..media[index] }.with_phase(self.phase);
         media
     }
 }
@@ -104,18 +106,23 @@ fn airlight(length: f64) -> Scene {
 /// P2: light of a point that is scattered once along a view: ∫ σ_s f Φ e^(−σ(t+d))/(4πd²) dt.
 pub fn p2_airlight<T: TestBackend>() {
     let settings = Settings { shadow_rays: 8, ..direct_settings(Direct::Nee, 0.1) };
-    for &(length, g, expected) in cases::<T, _>(&[
-        (10.0, 0.0, 0.045_260_6),
-        (10.0, 0.5, 0.059_260_0),
-        (10.0, 0.9, 0.045_498_5),
-        (10.0, -0.5, 0.044_625_4),
-        (5.0, 0.0, 0.025_103_2),
-        (5.0, 0.9, 0.044_611_5),
+    let (hg, mie) = (Phase::HenyeyGreenstein, |micrometres: f64| Phase::Mie(Mie::droplets(micrometres)));
+    for &(length, phase, expected) in cases::<T, _>(&[
+        (10.0, hg(0.0), 0.045_260_6),
+        (10.0, hg(0.5), 0.059_260_0),
+        (10.0, hg(0.9), 0.045_498_5),
+        (10.0, hg(-0.5), 0.044_625_4),
+        (5.0, hg(0.0), 0.025_103_2),
+        (10.0, Phase::Rayleigh, 0.047_908_3),
+        (5.0, Phase::Rayleigh, 0.027_074_0),
+        (10.0, mie(5.0), 0.040_029_2),
+        (5.0, hg(0.9), 0.044_611_5),
+        (5.0, mie(10.0), 0.036_645_6),
     ]) {
         let scene = airlight(length);
-        let media = Fog::new(0.1, 0.5, g).at(&scene, 0);
+        let media = Fog { phase, ..Fog::new(0.1, 0.5, 0.0) }.at(&scene, 0);
         let [found, ..] = per_pass::<T>(&scene, &media, &settings, (24, 8), &Layer::ALL);
-        assert_mean(&format!("airlight, {length} m, g = {g}"), &found, expected, 2e-5);
+        assert_mean(&format!("airlight, {length} m, {phase:?}"), &found, expected, 2e-5);
     }
 }
 
@@ -222,7 +229,7 @@ pub fn p13_body_in_even_light<T: TestBackend>() {
 pub fn p10_slabs<T: TestBackend>() {
     let slab = shapes::cuboid([-0.5, -3.5, -3.5], [0.5, 3.5, 3.5]);
     let scene = in_even_light(slab, 1.0, 5.2, 1.2);
-    let colours = Fog { scattering: [0.45, 1.6, 4.0], absorption: [0.05, 0.4, 4.0], anisotropy: 0.0 };
+    let colours = Fog { scattering: [0.45, 1.6, 4.0], absorption: [0.05, 0.4, 4.0], ..Fog::new(0.0, 0.0, 0.0) };
     for &(what, fog, expected) in cases::<T, _>(&[
         ("thin", Fog::new(2.0, 0.9, 0.75), [0.758_352; 3]),
         ("thick", Fog::new(4.0, 0.99, 0.75), [0.284_315_3 + 0.646_509_2; 3]),
@@ -256,7 +263,7 @@ pub fn p3_shaft<T: TestBackend>() {
 /// Every path ends in exactly one way, in number and in flux of each channel, and collisions lose nothing but what is absorbed.
 pub fn paths_are_accounted_for<T: TestBackend>() {
     let scene = endless(1.0, 90.0);
-    let colours = Fog { scattering: [0.5, 1.0, 0.2], absorption: [0.1, 0.0, 0.8], anisotropy: 0.4 };
+    let colours = Fog { scattering: [0.5, 1.0, 0.2], absorption: [0.1, 0.0, 0.8], ..Fog::new(0.0, 0.0, 0.4) };
     let media = colours.at(&scene, 0);
     let settings = Settings { photons: 20_000, ..fixed_radius(0.1) };
     let mut renderer = renderer::<T>(&scene, &media, &settings, 4);
@@ -270,6 +277,38 @@ pub fn paths_are_accounted_for<T: TestBackend>() {
         assert_eq!(sum, tally.flux_emitted.units()[channel], "channel {channel}");
     }
     assert!(tally.absorbed > tally.emitted / 2 && tally.dropped == 0, "{tally:?}");
+}
+
+/// A limit on memory counts the segments of camera paths that go on by a mirror: passes get smaller, their pictures are those of
+/// passes of that size, and what is held stays below it.
+pub fn memory_is_limited_with_a_mirror<T: TestBackend>() {
+    let mut builder = SceneBuilder::new();
+    let mirror = builder.material(MaterialDesc::mirror("mirror", [0.9; 3]));
+    let grey = builder.material(MaterialDesc::lambert("wall", [0.5; 3]));
+    builder.quad("mirror", [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]], mirror);
+    builder.quad("wall", [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 1.0, -1.0], [-1.0, 1.0, -1.0]], grey);
+    builder.light("light", LightDesc::Point { position: [0.0, 0.5, 0.0], intensity: [1.0; 3] });
+    let projection = Projection::Perspective { vertical_fov: 0.8 };
+    builder.camera("down", CameraDesc::new([0.0, 0.5, 1.5], [0.0, -0.4, -1.0], [0.0, 1.0, 0.0], projection));
+    let scene = builder.build().unwrap();
+    let media = Fog::new(0.5, 0.9, 0.0).at(&scene, 0);
+    let view = View { camera: scene.camera(None, 64, 64).unwrap(), width: 64, height: 64 };
+    let start = |settings: Settings| {
+        let mut made = Pipeline::new(T::make(2), &SceneView { media: &media, ..scene.view() }, view, settings)?;
+        made.pass(0, &mut ())?;
+        Ok(made)
+    };
+    let cap = 8 << 20;
+    let asked = Settings { photons: 1_000_000, ..fixed_radius(0.1) };
+    let mut capped = start(Settings { memory: Some(cap), ..asked.clone() }).unwrap();
+    let facts = capped.facts();
+    let held: u64 = facts.memory.iter().map(|(_, bytes)| bytes).sum();
+    assert!(held <= cap && facts.photons < asked.photons, "{} paths, {held} bytes: {:?}", facts.photons, facts.memory);
+    let mut free = start(Settings { photons: facts.photons, ..asked.clone() }).unwrap();
+    assert_eq!(capped.film().unwrap().pixels, free.film().unwrap().pixels);
+    // Queries, estimates and four segments of each pixel do not fit.
+    let refused = start(Settings { memory: Some(2 << 20), ..asked }).err();
+    assert!(matches!(refused, Some(Error::OverMemory { .. })), "{refused:?}");
 }
 
 /// What cannot be rendered with such media is refused, with the remedy.

@@ -1,6 +1,7 @@
 //! Media that scatter light, on two backends with the same seeds: pictures layer by layer, and what became of paths.
 
 use photon_core::glam::Vec3;
+use photon_core::phase::{Mie, Phase};
 use photon_core::{Film, Indirect, Layer, Medium, PassEnd, Pipeline, Render as _, SceneView, Settings, Tally, View};
 use photon_scene::{Scene, builtin};
 
@@ -11,7 +12,8 @@ use crate::harness::TestBackend;
 fn media(scene: &Scene, anisotropy: f32) -> Vec<Medium> {
     let mut media = scene.view().media.to_vec();
     let fog = Medium { scattering: [0.6, 0.4, 0.2], absorption: [0.05, 0.1, 0.2], anisotropy, ..media[0] };
-    let inside = Medium { scattering: [4.0, 2.0, 1.0], absorption: [0.0, 0.3, 0.6], anisotropy: -0.3, ..media[1] };
+    let inside = Medium { scattering: [4.0, 2.0, 1.0], absorption: [0.0, 0.3, 0.6], ..media[1] }
+        .with_phase(Phase::Mie(Mie::droplets(20.0)));
     (media[0], media[1]) = (fog, inside);
     media
 }

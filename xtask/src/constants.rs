@@ -57,9 +57,11 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("MEDIA_DISPERSION", MediaFeatures::DISPERSION.bits()),
                 ("MEDIA_SCATTERING", MediaFeatures::SCATTERING.bits()),
                 ("MEDIA_AMBIENT", MediaFeatures::AMBIENT.bits()),
+                ("MEDIA_PHASES", MediaFeatures::PHASES.bits()),
             ],
         ),
         ("Medium::dispersion.", vec![("MEDIUM_CAUCHY", Medium::CAUCHY), ("MEDIUM_SELLMEIER", Medium::SELLMEIER)]),
+        ("Medium::phase.", vec![("MEDIUM_RAYLEIGH", Medium::RAYLEIGH), ("MEDIUM_MIE", Medium::MIE)]),
         ("Light::flags.", vec![("LIGHT_BOTH_SIDES", Light::BOTH_SIDES)]),
         (
             "Camera::kind.",

@@ -20,7 +20,7 @@ use std::collections::HashMap;
 
 use photon_core::{offset, parallel};
 
-use crate::describe::{Dispersion, MaterialDesc, Surface};
+use crate::describe::{Dispersion, MaterialDesc, PhaseDesc, Surface};
 use crate::mesh::Mesh;
 use crate::normalise::Geometry;
 use pairs::{Contact, Overlap, REACH, corners};
@@ -29,7 +29,7 @@ use shift::{GAP, Raised};
 use warnings::Findings;
 
 /// Refractive index, absorption, priority, dispersion and scattering of a solid.
-type SolidMedium = (f64, [f64; 3], u32, Option<Dispersion>, [f64; 3], f64);
+type SolidMedium = (f64, [f64; 3], u32, Option<Dispersion>, [f64; 3], PhaseDesc);
 
 /// The scene that is separated.
 #[derive(Clone, Copy)]
@@ -116,8 +116,7 @@ impl Source<'_> {
         let desc = self.material(mesh);
         let of = |surface: &Surface| match *surface {
             Surface::Dielectric { ior, absorption, .. } => {
-                let (scattering, g) = (desc.scattering, desc.scattering_anisotropy);
-                Some((ior, absorption, desc.priority, desc.dispersion, scattering, g))
+                Some((ior, absorption, desc.priority, desc.dispersion, desc.scattering, desc.phase))
             }
             _ => None,
         };

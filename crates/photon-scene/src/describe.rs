@@ -7,6 +7,7 @@ mod camera;
 mod dispersion;
 mod light;
 mod medium;
+mod phase;
 
 pub use self::camera::{CameraDesc, Projection, ThinLens};
 pub use self::dispersion::Dispersion;
@@ -14,6 +15,7 @@ pub(crate) use self::dispersion::warn as warn_of_clamped_indices;
 pub use self::light::LightDesc;
 pub use self::medium::AmbientMedium;
 pub(crate) use self::medium::{check_density, record as medium_record, warn as warn_of_clamped_anisotropy};
+pub use self::phase::{PhaseDesc, PhaseKeys};
 use crate::texture::TexturesDesc;
 
 /// How a surface scatters light. Colours are linear RGB in `[0, 1]`.
@@ -110,9 +112,8 @@ pub struct MaterialDesc {
     /// Scattering coefficient inside, per user length, linear RGB, finite and ≥ 0: milk, wax, mist. Only for
     /// [`Surface::Dielectric`].
     pub scattering: [f64; 3],
-    /// Mean cosine g of the Henyey–Greenstein phase function of that scattering, in (−1, 1): 0 scatters evenly, 1 forwards.
-    /// Beyond ±0.999 it is rendered as ±0.999.
-    pub scattering_anisotropy: f64,
+    /// Directions of light scattered there.
+    pub phase: PhaseDesc,
     /// Factor on the alpha of the surface, in `[0, 1]`.
     pub alpha: f64,
     /// What alpha does. Emitted light is covered like the surface. Not for [`Surface::Dielectric`], whose mesh must be
@@ -169,7 +170,7 @@ impl MaterialDesc {
             priority: 0,
             dispersion: None,
             scattering: [0.0; 3],
-            scattering_anisotropy: 0.0,
+            phase: PhaseDesc::default(),
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             specular_color: [1.0; 3],
@@ -292,10 +293,10 @@ impl MaterialDesc {
         Self { alpha, alpha_mode, ..self }
     }
 
-    /// The material with this [`Self::scattering`] and [`Self::scattering_anisotropy`].
+    /// The material with this [`Self::scattering`] and [`Self::phase`], or with the mean cosine of Henyey and Greenstein's.
     #[must_use]
-    pub fn with_scattering(self, scattering: [f64; 3], scattering_anisotropy: f64) -> Self {
-        Self { scattering, scattering_anisotropy, ..self }
+    pub fn with_scattering(self, scattering: [f64; 3], phase: impl Into<PhaseDesc>) -> Self {
+        Self { scattering, phase: phase.into(), ..self }
     }
 
     /// The material with this [`Self::priority`].

@@ -42,6 +42,14 @@ pub enum SceneError {
         /// The valid range.
         hint: &'static str,
     },
+    /// Keys of a phase function do not belong together, or one is unknown.
+    #[error("{}; {hint}", shown(what))]
+    Phase {
+        /// The keys.
+        what: String,
+        /// What would be valid.
+        hint: &'static str,
+    },
     /// An environment has a property out of range, or an unsuitable image.
     #[error("environment '{}': {}; {hint}", shown(environment), shown(what))]
     Environment {

@@ -16,6 +16,7 @@ mod agrees;
 mod dispersion;
 mod exact;
 mod node;
+mod phase;
 pub(crate) mod standard;
 mod texture;
 
@@ -28,8 +29,9 @@ use self::dispersion::DispersionExtras;
 pub(crate) use self::exact::Exact;
 use self::exact::{Triple, exact, plain};
 pub(crate) use self::node::{CameraExtras, LightExtras, NodeExtras};
+use self::phase::PhaseExtras;
 pub(crate) use self::texture::{ImageExtras, TexturesExtras, agreeing_floats, fallback};
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::{MaterialDesc, PhaseDesc, Surface};
 use crate::texture::TexturesDesc;
 
 /// The extras of one object, parts of which may belong to other programs.
@@ -82,6 +84,8 @@ pub(crate) enum MaterialExtras {
         scattering: Option<Triple>,
         #[serde(default, skip_serializing_if = "Exact::is_zero")]
         anisotropy: Exact,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        phase: Option<PhaseExtras>,
         emission: Triple,
         emits_both_sides: bool,
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -199,7 +203,8 @@ impl MaterialExtras {
                 priority: *priority,
                 dispersion: desc.dispersion.map(DispersionExtras::new),
                 scattering: (desc.scattering != [0.0; 3]).then(|| exact(desc.scattering)),
-                anisotropy: Exact(desc.scattering_anisotropy),
+                anisotropy: PhaseExtras::new(desc.phase).0,
+                phase: PhaseExtras::new(desc.phase).1,
                 emission,
                 emits_both_sides,
                 textures,
@@ -249,9 +254,11 @@ impl MaterialExtras {
             _ => (0.0, None, 0, None),
         };
         let dispersion = dispersion.map(DispersionExtras::plain);
-        let (scattering, mean_cosine) = match &self {
-            Self::Glass { scattering, anisotropy, .. } => (scattering.map_or([0.0; 3], plain), anisotropy.0),
-            _ => ([0.0; 3], 0.0),
+        let (scattering, phase) = match &self {
+            Self::Glass { scattering, anisotropy, phase, .. } => {
+                (scattering.map_or([0.0; 3], plain), PhaseExtras::plain(*anisotropy, *phase))
+            }
+            _ => ([0.0; 3], PhaseDesc::default()),
         };
         let [clearcoat, clearcoat_roughness] = match &self {
             Self::Lambert { clearcoat: Some(both), .. }
@@ -313,7 +320,7 @@ impl MaterialExtras {
         let base = MaterialDesc::new(name, surface).with_specular_color(specular_color);
         let base = base.with_clearcoat(clearcoat, clearcoat_roughness).with_anisotropy(anisotropy, rotation);
         let base = base.with_diffuse_transmission(share, color).with_sheen(sheen_color, sheen_roughness);
-        let base = base.with_transmission(transmission, absorption).with_scattering(scattering, mean_cosine);
+        let base = base.with_transmission(transmission, absorption).with_scattering(scattering, phase);
         Some(MaterialDesc { emission, emits_both_sides, priority, dispersion, textures, ..base })
     }
 }

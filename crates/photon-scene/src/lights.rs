@@ -253,15 +253,10 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
         Surface::Dielectric { tint, .. } if !in_use => Material { albedo: colour(tint), ..of(MaterialKind::Lambert) },
         Surface::Dielectric { ior, absorption, tint, roughness } => {
             let dispersed = desc.dispersion.map(|dispersion| dispersion.medium(ior));
-            let Medium { absorption, scattering, anisotropy, .. } =
-                medium_record(absorption, desc.scattering, desc.scattering_anisotropy, frame.scale);
-            let medium = Medium {
-                absorption,
-                scattering,
-                anisotropy,
-                priority: desc.priority,
-                ..dispersed.unwrap_or(Medium { ior: ior as f32, ..Medium::VACUUM })
-            };
+            let Medium { ior, dispersion, terms, .. } =
+                dispersed.unwrap_or(Medium { ior: ior as f32, ..Medium::VACUUM });
+            let inside = medium_record(absorption, desc.scattering, desc.phase, frame.scale);
+            let medium = Medium { ior, dispersion, terms, priority: desc.priority, ..inside };
             let ior = medium.ior;
             let medium = index_of(media, medium);
             let roughness = roughness as f32;

@@ -91,7 +91,7 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
         }
     }
     not_negative("scattering", desc.scattering)?;
-    mean_cosine(desc.scattering_anisotropy)?;
+    desc.phase.fault().map_or(Ok(()), Err)?;
     if desc.scattering != [0.0; 3] && !matches!(desc.surface, Surface::Dielectric { .. }) {
         let hint = "light is scattered inside solid glass alone: make it glass or a boundary, or leave scattering out";
         return Err(("scattering", format!("{:?}", desc.scattering), hint));
@@ -139,11 +139,7 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
 fn ambient(medium: &AmbientMedium) -> Result<(), Fault> {
     not_negative("scattering", medium.scattering)?;
     not_negative("absorption", medium.absorption)?;
-    mean_cosine(medium.anisotropy)
-}
-
-fn mean_cosine(g: f64) -> Result<(), Fault> {
-    require(g.abs() < 1.0, "anisotropy", g, "the mean cosine of scattering must lie between -1 and 1, both excluded")
+    medium.phase.fault().map_or(Ok(()), Err)
 }
 
 fn refractive(ior: f64) -> Result<(), Fault> {

@@ -9,8 +9,8 @@ use replaced::replaced;
 use std::path::PathBuf;
 
 use photon_scene::{
-    CameraDesc, Dispersion, LightDesc, LoadReport, MaterialDesc, Projection, SceneBuilder, Surface, ThinLens, builtin,
-    builtin_names, glb, load_gltf,
+    CameraDesc, Dispersion, LightDesc, LoadReport, MaterialDesc, PhaseDesc, Projection, SceneBuilder, Surface,
+    ThinLens, builtin, builtin_names, glb, load_gltf,
 };
 
 /// Writes the bytes to a file, and loads it.
@@ -41,7 +41,9 @@ fn everything() -> SceneBuilder {
         MaterialDesc::lambert("dark", [0.5; 3]).with_both_sides(true),
         MaterialDesc::mirror("mirror", [0.9, 0.8, third]),
         MaterialDesc::new("glass", glass).with_priority(3).with_scattering([third, 0.1, 20.0], -0.1 * third),
-        MaterialDesc::boundary("mist", [0.0, 0.1, third]).with_scattering([third; 3], 0.0),
+        MaterialDesc::boundary("mist", [0.0, 0.1, third]).with_scattering([third; 3], PhaseDesc::Rayleigh),
+        MaterialDesc::boundary("cloud", [0.0; 3])
+            .with_scattering([third; 3], PhaseDesc::Mie { droplet_micrometres: 30.0 * third }),
         MaterialDesc::glass("flint", 1.5).with_dispersion(Dispersion::Cauchy([1.6, 0.06 * third])),
         MaterialDesc::glass("crown", 1.1 + third).with_dispersion(Dispersion::Abbe(150.0 * third)),
         MaterialDesc::glass("fog", 1.0).with_dispersion(Dispersion::Sellmeier([

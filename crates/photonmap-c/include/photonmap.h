@@ -73,6 +73,21 @@
 #define PM_DISPERSION_SELLMEIER 3
 
 /**
+ * Scattering by the phase function of Henyey and Greenstein, of a mean cosine.
+ */
+#define PM_PHASE_HENYEY_GREENSTEIN 0
+
+/**
+ * By particles much smaller than the wavelength: air.
+ */
+#define PM_PHASE_RAYLEIGH 1
+
+/**
+ * By droplets of water of a diameter: fog and cloud.
+ */
+#define PM_PHASE_MIE 2
+
+/**
  * Emits equally in all directions.
  */
 #define PM_LIGHT_POINT 0
@@ -400,9 +415,17 @@ typedef struct PmMaterial {
    */
   double scattering[3];
   /**
-   * Mean cosine of that scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
+   * Mean cosine of that scattering, in (-1, 1): 0 is even (PM_PHASE_HENYEY_GREENSTEIN).
    */
   double anisotropy;
+  /**
+   * Diameter of droplets in micrometres, 5 to 50 (PM_PHASE_MIE).
+   */
+  double droplet_micrometres;
+  /**
+   * Phase function of that scattering, one of PM_PHASE_….
+   */
+  uint32_t phase;
 } PmMaterial;
 
 /**
@@ -541,9 +564,17 @@ typedef struct PmMedium {
    */
   double absorption[3];
   /**
-   * Mean cosine of scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
+   * Mean cosine of scattering, in (-1, 1): 0 is even (PM_PHASE_HENYEY_GREENSTEIN).
    */
   double anisotropy;
+  /**
+   * Diameter of droplets in micrometres, 5 to 50 (PM_PHASE_MIE).
+   */
+  double droplet_micrometres;
+  /**
+   * Phase function, one of PM_PHASE_….
+   */
+  uint32_t phase;
 } PmMedium;
 
 /**

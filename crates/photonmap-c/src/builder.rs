@@ -5,14 +5,15 @@ use std::path::Path;
 
 use photonmap::scene::{
     AmbientMedium, CameraDesc, Dispersion, EnvironmentName, LightDesc, LoadOptions, LoadReport, MaterialDesc,
-    MaterialId, Overrides, Projection, SceneBuilder, Surface, ThinLens, VertexAttributes, builtin, builtin_names,
-    load_builder_with,
+    MaterialId, Overrides, PhaseDesc, Projection, SceneBuilder, Surface, ThinLens, VertexAttributes, builtin,
+    builtin_names, load_builder_with,
 };
 
 use crate::describe::{
     PM_DISPERSION_ABBE, PM_DISPERSION_CAUCHY, PM_DISPERSION_NONE, PM_DISPERSION_SELLMEIER, PM_LIGHT_DIRECTIONAL,
     PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY, PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR,
-    PM_MATERIAL_THIN, PmCamera, PmLight, PmMaterial, PmMedium, PmMesh,
+    PM_MATERIAL_THIN, PM_PHASE_HENYEY_GREENSTEIN, PM_PHASE_MIE, PM_PHASE_RAYLEIGH, PmCamera, PmLight, PmMaterial,
+    PmMedium, PmMesh,
 };
 use crate::error::{Fault, PmStatus, Result, call, free};
 use crate::options::{self, PmLoadOptions};
@@ -148,7 +149,8 @@ pub unsafe extern "C" fn pm_builder_material(
             desc = desc.with_dispersion(dispersion);
         }
         if given.kind == PM_MATERIAL_DIELECTRIC {
-            desc = desc.with_scattering(given.scattering, given.anisotropy);
+            let phase = phase("PmMaterial", given.phase, given.anisotropy, given.droplet_micrometres)?;
+            desc = desc.with_scattering(given.scattering, phase);
         }
         builder.materials.push(builder.scene.material(desc));
         if !id.is_null() {
@@ -157,6 +159,16 @@ pub unsafe extern "C" fn pm_builder_material(
         }
         Ok(())
     })
+}
+
+/// The phase function of a struct of this name.
+fn phase(of: &str, kind: u32, anisotropy: f64, droplet_micrometres: f64) -> Result<PhaseDesc, Fault> {
+    match kind {
+        PM_PHASE_HENYEY_GREENSTEIN => Ok(PhaseDesc::HenyeyGreenstein { anisotropy }),
+        PM_PHASE_RAYLEIGH => Ok(PhaseDesc::Rayleigh),
+        PM_PHASE_MIE => Ok(PhaseDesc::Mie { droplet_micrometres }),
+        other => Err(Fault::argument(format!("{of}.phase is {other}, but there are 0 to 2"))),
+    }
 }
 
 /// Adds triangles.
@@ -263,8 +275,8 @@ pub unsafe extern "C" fn pm_builder_medium(builder: *mut PmBuilder, medium: *con
     call(|| {
         // SAFETY: the caller's handle and struct.
         let (builder, given) = unsafe { (pointer::exclusive(builder, "builder")?, pointer::read(medium)?) };
-        let medium = AmbientMedium::new(given.scattering, given.absorption).with_anisotropy(given.anisotropy);
-        builder.scene.medium(medium);
+        let phase = phase("PmMedium", given.phase, given.anisotropy, given.droplet_micrometres)?;
+        builder.scene.medium(AmbientMedium::new(given.scattering, given.absorption).with_phase(phase));
         Ok(())
     })
 }

@@ -24,6 +24,13 @@ pub const PM_DISPERSION_CAUCHY: u32 = 2;
 /// B1, B2, B3, C1, C2, C3 of n² = 1 + Σ Bλ²/(λ² - C), λ in micrometres. They replace the refractive index.
 pub const PM_DISPERSION_SELLMEIER: u32 = 3;
 
+/// Scattering by the phase function of Henyey and Greenstein, of a mean cosine.
+pub const PM_PHASE_HENYEY_GREENSTEIN: u32 = 0;
+/// By particles much smaller than the wavelength: air.
+pub const PM_PHASE_RAYLEIGH: u32 = 1;
+/// By droplets of water of a diameter: fog and cloud.
+pub const PM_PHASE_MIE: u32 = 2;
+
 /// A material. Colours are linear RGB. Fields that its kind does not use are ignored.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -59,8 +66,12 @@ pub struct PmMaterial {
     pub dispersion_terms: [f64; 6],
     /// Scattering inside of a dielectric, 1/m, finite and at least 0: milk, wax; with an ior of 1, mist.
     pub scattering: [f64; 3],
-    /// Mean cosine of that scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
+    /// Mean cosine of that scattering, in (-1, 1): 0 is even (PM_PHASE_HENYEY_GREENSTEIN).
     pub anisotropy: f64,
+    /// Diameter of droplets in micrometres, 5 to 50 (PM_PHASE_MIE).
+    pub droplet_micrometres: f64,
+    /// Phase function of that scattering, one of PM_PHASE_….
+    pub phase: u32,
 }
 
 /// The medium around all solids, without bounds. Light from infinitely far away does not pass it.
@@ -73,8 +84,12 @@ pub struct PmMedium {
     pub scattering: [f64; 3],
     /// Absorption coefficient, 1/m, linear RGB, finite and at least 0.
     pub absorption: [f64; 3],
-    /// Mean cosine of scattering (Henyey-Greenstein), in (-1, 1): 0 is even.
+    /// Mean cosine of scattering, in (-1, 1): 0 is even (PM_PHASE_HENYEY_GREENSTEIN).
     pub anisotropy: f64,
+    /// Diameter of droplets in micrometres, 5 to 50 (PM_PHASE_MIE).
+    pub droplet_micrometres: f64,
+    /// Phase function, one of PM_PHASE_….
+    pub phase: u32,
 }
 
 /// Triangles of one material. Arrays are copied.

@@ -2,7 +2,8 @@
 
 use crate::index::dispatch::Dispatched;
 use crate::index::lanes::{Distances, Lanes};
-use crate::index::layout::{Block, LEAF, MAX_DEPTH, Node, Tree, WIDTH};
+use crate::index::layout::{Block, Node, Tree, WIDTH};
+use crate::index::range::{Search, walk};
 
 /// A segment, and how far points may lie from it.
 #[derive(Clone, Copy)]
@@ -28,43 +29,34 @@ impl<F: FnMut(u32, f32, f32)> Dispatched for Along<'_, F> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, lanes: L) {
-        let Some(root) = self.tree.nodes.first() else { return };
         let slabs = Slabs::new(&self.line);
-        let mut stack = [(0_u32, 0_u32); MAX_DEPTH];
-        let mut depth = 0;
-        let (mut number, mut node) = (0, root);
-        let mut mask = lanes.at_most(&slabs.to_boxes(root), 0.0);
-        loop {
-            while mask == 0 {
-                if depth == 0 {
-                    return;
-                }
-                depth -= 1;
-                (number, mask) = stack[depth];
-                node = &self.tree.nodes[number as usize];
-            }
-            let lane = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            let child = node.child[lane % WIDTH];
-            if child & LEAF != 0 {
-                let block = child & !LEAF;
-                let (along, d2) = to_points(&self.tree.blocks[block as usize], &self.line);
-                let mut hits = lanes.at_most(&d2, self.line.radius * self.line.radius);
-                while hits != 0 {
-                    let lane = hits.trailing_zeros();
-                    hits &= hits - 1;
-                    (self.found)(block * WIDTH as u32 + lane, along[lane as usize % WIDTH], d2[lane as usize % WIDTH]);
-                }
-            } else {
-                if mask != 0 {
-                    stack[depth] = (number, mask);
-                    depth += 1;
-                }
-                number = child;
-                node = &self.tree.nodes[number as usize];
-                mask = lanes.at_most(&slabs.to_boxes(node), 0.0);
-            }
+        walk(lanes, self.tree, &mut Blocks { of: &mut self, slabs });
+    }
+}
+
+/// The blocks with a point that counts.
+struct Blocks<'a, 'b, F> {
+    of: &'b mut Along<'a, F>,
+    slabs: Slabs,
+}
+
+impl<L: Lanes, F: FnMut(u32, f32, f32)> Search<L> for Blocks<'_, '_, F> {
+    #[inline(always)]
+    fn children(&self, lanes: L, node: &Node) -> u32 {
+        lanes.at_most(&self.slabs.to_boxes(node), 0.0)
+    }
+
+    #[inline(always)]
+    fn block(&mut self, lanes: L, number: u32) -> bool {
+        let Along { tree, line, found } = &mut *self.of;
+        let (along, d2) = to_points(&tree.blocks[number as usize], line);
+        let mut hits = lanes.at_most(&d2, line.radius * line.radius);
+        while hits != 0 {
+            let lane = hits.trailing_zeros();
+            hits &= hits - 1;
+            found(number * WIDTH as u32 + lane, along[lane as usize % WIDTH], d2[lane as usize % WIDTH]);
         }
+        true
     }
 }
 

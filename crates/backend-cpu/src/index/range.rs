@@ -2,26 +2,27 @@
 
 use crate::index::dispatch::Dispatched;
 use crate::index::lanes::{Distances, Lanes, to_boxes, to_far_corners, to_points};
-use crate::index::layout::{LEAF, MAX_DEPTH, Tree, WIDTH};
+use crate::index::layout::{LEAF, MAX_DEPTH, Node, Tree, WIDTH};
 
-/// Calls `found` for every block with a point within `r2`, passing the block's number, the bit mask of the lanes
-/// within, and the squared distances of all lanes. The order of blocks depends only on the tree, the query and the
-/// radius. Stops when `found` returns false.
+/// A search through the tree. Both methods have to be `#[inline(always)]`, to be compiled for its instruction set.
+pub(crate) trait Search<L: Lanes> {
+    /// The bit mask of the children that have to be visited.
+    fn children(&self, lanes: L, node: &Node) -> u32;
+
+    /// Searches a block, by its number. Returns false to stop.
+    fn block(&mut self, lanes: L, number: u32) -> bool;
+}
+
+/// Calls [`Search::block`] for every block that is reached. Their order depends only on the tree and the masks.
 #[inline(always)]
-pub(crate) fn blocks_within<L: Lanes>(
-    lanes: L,
-    tree: &Tree,
-    query: [f32; 3],
-    r2: f32,
-    mut found: impl FnMut(u32, u32, &Distances) -> bool,
-) {
+pub(crate) fn walk<L: Lanes>(lanes: L, tree: &Tree, search: &mut impl Search<L>) {
     let Some(root) = tree.nodes.first() else {
         return;
     };
     // One entry per level: a node, and the mask of its children still to be visited.
     let mut stack = [(0_u32, 0_u32); MAX_DEPTH];
     let mut depth = 0;
-    let (mut node, mut mask) = (root, lanes.at_most(&to_boxes(root, query), r2));
+    let (mut node, mut mask) = (root, search.children(lanes, root));
     let mut number = 0;
     loop {
         while mask == 0 {
@@ -36,10 +37,7 @@ pub(crate) fn blocks_within<L: Lanes>(
         mask &= mask - 1;
         let child = node.child[lane % WIDTH];
         if child & LEAF != 0 {
-            let block = child & !LEAF;
-            let d2 = to_points(&tree.blocks[block as usize], query);
-            let hits = lanes.at_most(&d2, r2);
-            if hits != 0 && !found(block, hits, &d2) {
+            if !search.block(lanes, child & !LEAF) {
                 return;
             }
         } else {
@@ -49,12 +47,48 @@ pub(crate) fn blocks_within<L: Lanes>(
             }
             number = child;
             node = &tree.nodes[number as usize];
-            mask = lanes.at_most(&to_boxes(node, query), r2);
+            mask = search.children(lanes, node);
         }
     }
 }
 
-/// What every point within a radius does to a state.
+/// The blocks with a point within a radius.
+struct Blocks<'a, F> {
+    tree: &'a Tree,
+    query: [f32; 3],
+    r2: f32,
+    found: F,
+}
+
+impl<L: Lanes, F: FnMut(u32, u32, &Distances) -> bool> Search<L> for Blocks<'_, F> {
+    #[inline(always)]
+    fn children(&self, lanes: L, node: &Node) -> u32 {
+        lanes.at_most(&to_boxes(node, self.query), self.r2)
+    }
+
+    #[inline(always)]
+    fn block(&mut self, lanes: L, number: u32) -> bool {
+        let d2 = to_points(&self.tree.blocks[number as usize], self.query);
+        let hits = lanes.at_most(&d2, self.r2);
+        hits == 0 || (self.found)(number, hits, &d2)
+    }
+}
+
+/// Calls `found` for every block with a point within `r2`, passing the block's number, the bit mask of the lanes
+/// within, and the squared distances of all lanes. The order of blocks depends only on the tree, the query and the
+/// radius. Stops when `found` returns false.
+#[inline(always)]
+pub(crate) fn blocks_within<L: Lanes>(
+    lanes: L,
+    tree: &Tree,
+    query: [f32; 3],
+    r2: f32,
+    found: impl FnMut(u32, u32, &Distances) -> bool,
+) {
+    walk(lanes, tree, &mut Blocks { tree, query, r2, found });
+}
+
+/// Effect of every point within a radius on a state.
 pub(crate) trait Fold<T> {
     /// The state after the point in `slot`. An implementation that is `#[inline(always)]` is compiled for the instruction set of
     /// the search; a large closure might be called instead.
@@ -96,7 +130,7 @@ impl<T, F: Fold<T>> Dispatched for Within<'_, T, F> {
     }
 }
 
-/// What is done with the points within a radius, up to sixteen at a time.
+/// Use of the points within a radius, up to sixteen at a time.
 pub(crate) trait Batches {
     /// Whether a point counts. Has to be `#[inline(always)]`, as [`Self::take`].
     fn accepts(&self, slot: u32) -> bool;

@@ -15,8 +15,8 @@ const CHUNK: usize = 1 << 14;
 /// Normals, indexed by slot.
 #[derive(Debug)]
 pub(crate) enum Normals {
-    /// A table of the distinct normals, and each photon's index into it.
-    Few(Vec<Vec3>, Vec<u16>),
+    /// The distinct normals, packed and unpacked, and each photon's index into both.
+    Few(Vec<u32>, Vec<Vec3>, Vec<u16>),
     /// One normal per photon.
     Each(Vec<Vec3>),
 }
@@ -44,7 +44,8 @@ impl Normals {
                     }
                 });
                 let table = known.iter().copied().map(octahedral::unpack);
-                Self::Few(memory::collected(table, "photon normals")?, which)
+                let table = memory::collected(table, "photon normals")?;
+                Self::Few(known, table, which)
             }
         })
     }
@@ -52,27 +53,40 @@ impl Normals {
     #[inline]
     pub(crate) fn of(&self, slot: u32) -> Vec3 {
         match self {
-            Self::Few(table, which) => table[usize::from(which[slot as usize])],
+            Self::Few(_, table, which) => table[usize::from(which[slot as usize])],
             Self::Each(normals) => normals[slot as usize],
+        }
+    }
+
+    /// Whether the packed normal is this word.
+    #[inline]
+    pub(crate) fn is(&self, slot: u32, packed: u32) -> bool {
+        match self {
+            Self::Few(known, _, which) => known[usize::from(which[slot as usize])] == packed,
+            Self::Each(normals) => normals[slot as usize] == octahedral::unpack(packed),
         }
     }
 
     pub(crate) fn len(&self) -> usize {
         match self {
-            Self::Few(_, which) => which.len(),
+            Self::Few(_, _, which) => which.len(),
             Self::Each(normals) => normals.len(),
         }
     }
 
     pub(crate) fn bytes(&self) -> usize {
         match self {
-            Self::Few(table, which) => table.capacity() * size_of::<Vec3>() + which.capacity() * size_of::<u16>(),
+            Self::Few(known, table, which) => {
+                known.capacity() * size_of::<u32>()
+                    + table.capacity() * size_of::<Vec3>()
+                    + which.capacity() * size_of::<u16>()
+            }
             Self::Each(normals) => normals.capacity() * size_of::<Vec3>(),
         }
     }
 }
 
-/// Why there is no table of the distinct normals.
+/// Reason for having no table of the distinct normals.
 enum Stop {
     TooMany,
     Memory(OutOfMemory),
@@ -123,6 +137,7 @@ mod tests {
             assert_eq!(normals.len(), packed.len());
             for (slot, &normal) in packed.iter().enumerate() {
                 let (seen, expected) = (normals.of(slot as u32), octahedral::unpack(normal));
+                assert!(normals.is(slot as u32, normal) && !normals.is(slot as u32, normal ^ 0x0101));
                 assert_eq!(seen.to_array().map(f32::to_bits), expected.to_array().map(f32::to_bits), "{slot}");
             }
         }

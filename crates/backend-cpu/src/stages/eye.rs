@@ -20,7 +20,7 @@ use crate::scene::CpuScene;
 use crate::stages::eye_batch;
 use crate::stages::eye_glossy::{GlossyPoint, Leaves, Reflection};
 use crate::stages::eye_rough_glass::RoughPoint;
-use crate::stages::eye_segments;
+use crate::stages::eye_segments::{self, End};
 
 /// Traces camera paths through mirrors and glass.
 ///
@@ -263,8 +263,8 @@ impl Eye<'_> {
         };
         let Some((mut surface, hit)) = found else {
             if QUERIES == SEGMENTS {
-                let end = (f32::INFINITY, path.ray.direction);
-                eye_segments::leave(self, path, path.media, end, (number, queries));
+                let end = End { distance: f32::INFINITY, normal: path.ray.direction };
+                eye_segments::leave(self, path, path.media, end, number, queries);
                 return None;
             }
             let is_hidden = self.hides_background && path.surfaces == 0;
@@ -312,8 +312,8 @@ impl Eye<'_> {
         }
         let mut interface = self.scene.interface(&surface, path.media);
         if QUERIES == SEGMENTS {
-            let end = (surface.t, -surface.normal);
-            eye_segments::leave(self, path, interface.before, end, (number, queries));
+            let end = End { distance: surface.t, normal: -surface.normal };
+            eye_segments::leave(self, path, interface.before, end, number, queries);
             path.start = surface.normal;
         }
         path.throughput *= self.scene.attenuation(&path.ray, surface.t, interface.before);

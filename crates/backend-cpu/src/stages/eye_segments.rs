@@ -7,27 +7,29 @@ use photon_core::{MediumStack, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Segmen
 use super::eye::{Eye, Path};
 use crate::stretches::Stretch;
 
-/// Leaves the segments of a path in `media` up to the distance `end`, where there is a plane with this normal: one for each
-/// stretch in which light is scattered.
+/// The end of a segment.
+#[derive(Clone, Copy)]
+pub(super) struct End {
+    /// Distance from the start.
+    pub(super) distance: f32,
+    /// Normal of the plane there.
+    pub(super) normal: Vec3,
+}
+
+/// Leaves the segments of a path in `media` up to its end: one for each stretch in which light is scattered.
 #[inline]
-pub(super) fn leave(
-    eye: &Eye<'_>,
-    path: &Path,
-    media: MediumStack,
-    (end, plane): (f32, Vec3),
-    (pixel, queries): (u32, &mut Vec<Query>),
-) {
+pub(super) fn leave(eye: &Eye<'_>, path: &Path, media: MediumStack, end: End, pixel: u32, queries: &mut Vec<Query>) {
     let (scene, direction) = (eye.scene, path.ray.direction);
     let start = if path.start.dot(direction) < 0.0 { -path.start } else { path.start };
     let camera = MediumStack::from_bits(eye.view.camera.media);
-    for stretch in scene.stretches(&path.ray, end, media) {
+    for stretch in scene.stretches(&path.ray, end.distance, media) {
         let length = stretch.to - stretch.from;
         if !scene.medium_at(stretch.medium).scatters() || !(length > 0.0) || path.throughput == Vec3::ZERO {
             continue;
         }
         let throughput = path.throughput * scene.radiance_scale(camera, media, path.wavelength);
         let origin = path.ray.origin + direction * stretch.from;
-        let planes = [start, plane];
+        let planes = [start, end.normal];
         queries.push(Segment { origin, direction, length, planes, media, throughput }.query(pixel, 0));
     }
 }

@@ -57,12 +57,13 @@ pub(crate) fn sample<const SHADED: bool>(
         return Some(LightSample { ray, color: found.weight, factor: 1.0, divisor: 1.0, pdf: found.pdf });
     }
     let (u, v) = (unit_f32(u), unit_f32(v));
-    let Target { to, front, per_pdf, at: (b, c) } = if light.kind == Light::TRIANGLE {
+    let target = if light.kind == Light::TRIANGLE {
         at_area_light(scene, light, from, normal, [u, v])?
     } else {
-        Target { to: Vec3::from(light.position), front: Vec3::ZERO, per_pdf: 0.0, at: (0.0, 0.0) }
+        Target::position_of(light)
     };
-    let gap = to - from;
+    let Target { front, per_pdf, .. } = target;
+    let gap = target.to - from;
     let squared = gap.length_squared();
     let distance = squared.sqrt();
     let direction = gap / distance;
@@ -70,10 +71,10 @@ pub(crate) fn sample<const SHADED: bool>(
     if per_pdf > 0.0 {
         // Radiance is power / (π · area).
         let per_power = per_pdf * std::f32::consts::FRAC_1_PI / light.area;
-        let (color, pdf) = (power_from_area::<SHADED>(scene, light, (b, c), direction), 1.0 / per_pdf);
+        let (color, pdf) = (power_from_area::<SHADED>(scene, light, target.barycentric, direction), 1.0 / per_pdf);
         return Some(LightSample { ray, color, factor: per_power, divisor: 1.0, pdf });
     }
-    let intensity = intensity::<SHADED>(scene, light, (front, (b, c)), direction);
+    let intensity = intensity::<SHADED>(scene, light, &target, direction);
     if intensity == Vec3::ZERO {
         return None;
     }
@@ -96,14 +97,9 @@ fn power_from_area<const SHADED: bool>(scene: &CpuScene, light: &Light, (b, c): 
 }
 
 /// Radiant intensity of a light that is not infinitely far away, against `direction`; of an area light that of its whole power,
-/// as if emitted with a Lambertian cosine from the point with these barycentric coordinates, where its normal is `front`.
+/// as if emitted with a Lambertian cosine from the point.
 #[inline(always)]
-pub(crate) fn intensity<const SHADED: bool>(
-    scene: &CpuScene,
-    light: &Light,
-    (front, at): (Vec3, (f32, f32)),
-    direction: Vec3,
-) -> Vec3 {
+pub(crate) fn intensity<const SHADED: bool>(scene: &CpuScene, light: &Light, target: &Target, direction: Vec3) -> Vec3 {
     let power = Vec3::from(light.power);
     match light.kind {
         Light::POINT => power * (0.25 * std::f32::consts::FRAC_1_PI),
@@ -114,8 +110,9 @@ pub(crate) fn intensity<const SHADED: bool>(
             power * (falloff / solid_angle)
         }
         _ => {
-            let cosine = -direction.dot(front);
-            power_from_area::<SHADED>(scene, light, at, direction) * (cosine * std::f32::consts::FRAC_1_PI).max(0.0)
+            let cosine = -direction.dot(target.front);
+            power_from_area::<SHADED>(scene, light, target.barycentric, direction)
+                * (cosine * std::f32::consts::FRAC_1_PI).max(0.0)
         }
     }
 }
@@ -163,15 +160,37 @@ impl View {
     }
 }
 
-/// The point on a light that a shadow ray goes to.
-struct Target {
-    to: Vec3,
+/// A sampled point on a light.
+pub(crate) struct Target {
+    pub(crate) to: Vec3,
     /// Normal of an area light on the side where the ray arrives.
-    front: Vec3,
+    pub(crate) front: Vec3,
     /// The reciprocal of the density per solid angle; 0 if the point is uniform in area.
     per_pdf: f32,
     /// Its barycentric coordinates on the triangle of an area light.
-    at: (f32, f32),
+    barycentric: (f32, f32),
+}
+
+impl Target {
+    /// The position of a light without area.
+    fn position_of(light: &Light) -> Self {
+        Self { to: Vec3::from(light.position), front: Vec3::ZERO, per_pdf: 0.0, barycentric: (0.0, 0.0) }
+    }
+
+    /// A point evenly over the area of a light, with the normal of its front; `None` for light from infinity.
+    pub(crate) fn evenly(scene: &CpuScene, light: &Light, [u, v]: [u32; 2]) -> Option<Self> {
+        match light.kind {
+            Light::DIRECTIONAL | Light::ENVIRONMENT => None,
+            Light::TRIANGLE => {
+                let (b, c) = sampling::triangle(unit_f32(u), unit_f32(v));
+                let primitive = light.primitive as usize;
+                let to = offset::barycentric(scene.vertices[primitive], b, c);
+                let front = scene.primitives[primitive].normal.into();
+                Some(Self { to, front, per_pdf: 0.0, barycentric: (b, c) })
+            }
+            _ => Some(Self::position_of(light)),
+        }
+    }
 }
 
 /// Samples a point of a triangle, on an emitting side that faces the query; `None` if there is none.
@@ -194,5 +213,5 @@ fn at_area_light(
     };
     let vertices = scene.vertices[light.primitive as usize];
     let to = offset::off_surface(offset::barycentric(vertices, b, c), front);
-    Some(Target { to, front, per_pdf, at: (b, c) })
+    Some(Target { to, front, per_pdf, barycentric: (b, c) })
 }

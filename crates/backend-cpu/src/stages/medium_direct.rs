@@ -3,15 +3,14 @@
 use photon_core::equiangular::{Equiangular, exponential, exponential_density};
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::LightSampler;
+use photon_core::phase::Phase;
 use photon_core::random::{BLOCK_SEGMENTS, Domain, Sampler, unit_f32};
-use photon_core::{
-    DirectLight, Features, Layer, Light, Pass, Query, RandomKind, Ray, Result, Segment, offset, phase, sampling,
-};
+use photon_core::{DirectLight, Features, Layer, Light, Pass, Query, RandomKind, Ray, Result, Segment, offset};
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
-use crate::stages::light_sample::intensity;
+use crate::stages::light_sample::{Target, intensity};
 use crate::stretches::Stretch;
 
 /// Traces shadow rays from places on segments to points on the lights.
@@ -55,7 +54,7 @@ fn scattered(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3]
         // Each ray has its own part of the segment.
         let place = (number as f32 + unit_f32(place)) / rays as f32;
         let alpha = || sampler.words(BLOCK_SEGMENTS + number)[1];
-        let found = from_light(scene, &segment, &scene.lights[index], ([u, v], place), alpha);
+        let found = from_light(scene, &segment, &scene.lights[index], &Choice { point: [u, v], place }, alpha);
         for c in 0..3 {
             sum[c] += f64::from(found[c]) / share;
         }
@@ -79,19 +78,28 @@ fn weight(scene: &CpuScene, light: &Light, segment: &Segment) -> f32 {
     light.power.iter().sum::<f32>() / (gap - nearest).length_squared().max(1e-6)
 }
 
+/// Random numbers of a shadow ray.
+struct Choice {
+    /// For the point on the light.
+    point: [u32; 2],
+    /// For the place on the segment, in [0, 1).
+    place: f32,
+}
+
 /// Radiance by way of a place on the segment and a point on `light`, over the density of both.
 fn from_light(
     scene: &CpuScene,
     segment: &Segment,
     light: &Light,
-    (point, place): ([u32; 2], f32),
+    choice: &Choice,
     alpha: impl FnOnce() -> u32,
 ) -> Vec3 {
-    let Some(Emitter { at, normal, barycentric }) = Emitter::sample(scene, light, point) else { return Vec3::ZERO };
+    let Some(mut target) = Target::evenly(scene, light, choice.point) else { return Vec3::ZERO };
+    let place = choice.place;
     let (index, medium) = scene.medium(segment.media);
     let extinction = medium.extinction();
     let mean = extinction.element_sum() / 3.0;
-    let angles = Equiangular::new(segment.origin, segment.direction, segment.length, at);
+    let angles = Equiangular::new(segment.origin, segment.direction, segment.length, target.to);
     // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
     let distance = if place < 0.5 {
         angles.sample(2.0 * place).min(segment.length)
@@ -100,16 +108,20 @@ fn from_light(
     };
     let density = 0.5 * (angles.density(distance) + exponential_density(mean, segment.length, distance));
     let from = segment.origin + segment.direction * distance;
-    let front = if light.flags & Light::BOTH_SIDES != 0 && normal.dot(from - at) < 0.0 { -normal } else { normal };
-    let to = if light.kind == Light::TRIANGLE { offset::off_surface(at, front) } else { at };
-    let gap = to - from;
+    if light.flags & Light::BOTH_SIDES != 0 && target.front.dot(from - target.to) < 0.0 {
+        target.front = -target.front;
+    }
+    if light.kind == Light::TRIANGLE {
+        target.to = offset::off_surface(target.to, target.front);
+    }
+    let gap = target.to - from;
     let squared = gap.length_squared();
     if !(squared > 0.0) {
         return Vec3::ZERO;
     }
     let far = squared.sqrt();
     let ray = Ray { origin: from, direction: gap / far, t_max: far };
-    let intensity = intensity::<true>(scene, light, (front, barycentric), ray.direction);
+    let intensity = intensity::<true>(scene, light, &target, ray.direction);
     if intensity == Vec3::ZERO {
         return Vec3::ZERO;
     }
@@ -121,32 +133,9 @@ fn from_light(
     if is_hidden {
         return Vec3::ZERO;
     }
-    let phase = phase::value(medium.anisotropy, ray.direction.dot(segment.direction));
+    let phase = Phase::of(medium).value(ray.direction, segment.direction);
     let seen = Ray { origin: segment.origin, direction: segment.direction, t_max: distance };
     let part = Stretch { from: 0.0, to: distance, medium: index };
     let passes = scene.stretch_transmittance(&seen, &part) * scene.transmittance(&ray, far, segment.media);
     intensity * Vec3::from(medium.scattering) * passes * (phase / (squared * density))
-}
-
-/// A point on a light.
-struct Emitter {
-    at: Vec3,
-    normal: Vec3,
-    barycentric: (f32, f32),
-}
-
-impl Emitter {
-    /// Evenly over the area; `None` for light from infinity.
-    fn sample(scene: &CpuScene, light: &Light, [u, v]: [u32; 2]) -> Option<Self> {
-        match light.kind {
-            Light::DIRECTIONAL | Light::ENVIRONMENT => None,
-            Light::TRIANGLE => {
-                let (b, c) = sampling::triangle(unit_f32(u), unit_f32(v));
-                let primitive = light.primitive as usize;
-                let at = offset::barycentric(scene.vertices[primitive], b, c);
-                Some(Self { at, normal: scene.primitives[primitive].normal.into(), barycentric: (b, c) })
-            }
-            _ => Some(Self { at: light.position.into(), normal: Vec3::ZERO, barycentric: (0.0, 0.0) }),
-        }
-    }
 }

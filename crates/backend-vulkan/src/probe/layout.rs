@@ -106,7 +106,7 @@ fn records() -> Vec<Record> {
         record!(ErrorMoments: wide power narrow power_squared slope quadrupole stray photons reserved),
         record!(Primitive: normal material),
         record!(Material: albedo kind emission flags medium ior textures metallic roughness specular alpha alpha_cutoff),
-        record!(Medium: absorption ior priority dispersion terms scattering anisotropy),
+        record!(Medium: absorption ior priority dispersion terms scattering anisotropy phase draine),
         record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),
         record!(Camera: origin kind forward media right lens_radius up focus_distance),
         record!(TextureUse: transform texture_index uv_set),

@@ -1,8 +1,9 @@
 //! Flights, phase functions and places on segments compared with photon-core's.
 
+use photon_core::Medium;
 use photon_core::equiangular::{Equiangular, exponential, exponential_density};
 use photon_core::flight::{self, FOCUSED_DEPOSITS, Flight};
-use photon_core::{Medium, phase};
+use photon_core::phase::{Mie, Phase};
 
 use super::compare::Bound;
 use super::draw::{Draw, input};
@@ -15,11 +16,13 @@ pub(super) fn rows() -> Vec<Row> {
     let module = &shaders::PROBE_MEDIUM;
     let row = |name, function, bound, draw, twin| Row { name, module, function, bound, draw, twin };
     vec![
-        // A square root and a division.
-        row("phase_value", 0, Bound::Relative(1e-6), scattered, |i| output([phase::value(i.float(0), i.float(1))])),
+        // A square root and two divisions, relative to the smallest 1 + α cos².
+        row("phase_value", 0, Bound::Relative(2e-6), scattered, |i| {
+            output([phase(i, 7).value(i.vector(4), i.vector(8))])
+        }),
         // A cosine with twice the error of a division, and the sine of it.
-        row("phase_sample", 1, Bound::Conditioned(1.5e-6, "its condition", slope_of_sine), scattered, |i| {
-            output(phase::sample(i.float(0), i.vector(4), [i.float(7), i.float(11)]).to_array())
+        row("phase_sample", 1, Bound::Conditioned(1.5e-6, "its condition", slope_of_sine), sampled, |i| {
+            output(phase(i, 8).sample(i.vector(4), [i.float(7), i.float(11)]).to_array())
         }),
         // The error of a length by a division, times coefficients, and three divisions.
         row("flight_sample", 2, Bound::Scaled(1e-6, "its condition", depths), stretch, |i| {
@@ -52,7 +55,7 @@ pub(super) fn rows() -> Vec<Row> {
 
 /// Change of a sine by that of the cosine; near 0, of a sine that is the root of a rounding error.
 fn slope_of_sine(i: &Input) -> f64 {
-    let direction = phase::sample(i.float(0), i.vector(4), [i.float(7), i.float(11)]);
+    let direction = phase(i, 8).sample(i.vector(4), [i.float(7), i.float(11)]);
     let sine = i.vector(4).cross(direction).length();
     1.0 / f64::from(sine).max(1e-3)
 }
@@ -77,11 +80,31 @@ fn lengths(i: &Input) -> f64 {
     f64::from(distance) + f64::from(1.0 / angles(i).density(distance))
 }
 
-/// Anisotropy and cosine; a direction and two random numbers.
+/// The phase function whose parameters are first, with the kind at this place.
+fn phase(i: &Input, kind: usize) -> Phase {
+    let draine = [i.float(1), i.float(2), i.float(3)];
+    Phase::of(&Medium { phase: i.float(kind) as u32, anisotropy: i.float(0), draine, ..Medium::VACUUM })
+}
+
+/// A phase function: its parameters and its kind.
+fn function(d: &mut Draw) -> ([f32; 4], f32) {
+    let henyey_greenstein = Phase::HenyeyGreenstein(d.pick(&[0.0, 1e-8, 0.3, -0.6, 0.9, -0.99, 0.999]));
+    let mie = Phase::Mie(Mie::droplets(d.pick(&[5.0, 7.0, 10.0, 20.0, 50.0])));
+    let medium = Medium::VACUUM.with_phase(d.pick(&[henyey_greenstein, Phase::Rayleigh, mie]));
+    let [draine, alpha, share] = medium.draine;
+    ([medium.anisotropy, draine, alpha, share], medium.phase as f32)
+}
+
+/// A phase function, and two directions.
 fn scattered(d: &mut Draw) -> Input {
-    let g = d.pick(&[0.0, 1e-8, 0.3, -0.6, 0.9, -0.99, 0.999]);
-    let (cosine, direction) = (d.pick(&[-1.0, 1.0, 0.0, 0.999]) * d.unit(), d.direction());
-    input([g, cosine, 0.0, 0.0], [direction.x, direction.y, direction.z, d.unit()], [0.0, 0.0, 0.0, d.unit()])
+    let ((phase, kind), from, to) = (function(d), d.direction(), d.direction());
+    input(phase, [from.x, from.y, from.z, kind], [to.x, to.y, to.z, 0.0])
+}
+
+/// A phase function, a direction, and two random numbers.
+fn sampled(d: &mut Draw) -> Input {
+    let ((phase, kind), from) = (function(d), d.direction());
+    input(phase, [from.x, from.y, from.z, d.unit()], [kind, 0.0, 0.0, d.unit()])
 }
 
 /// Coefficients, a power, the length of a stretch, and two random numbers.

@@ -6,7 +6,6 @@ use crate::requirements::gloss_caustics::roughest_caustic;
 use crate::requirements::{Requirements, has_receiver, light_features};
 use crate::scene::SceneView;
 use crate::scene::media::MediaFeatures;
-use crate::scene::medium::Medium;
 use crate::scene::solids::Solids;
 use crate::settings::{Direct, Estimator, Indirect, Settings};
 
@@ -56,10 +55,9 @@ pub(super) fn check_media(scene: &SceneView<'_>, settings: &Settings) -> Result<
     if !media.contains(MediaFeatures::SCATTERING) {
         return Ok(());
     }
-    let is_dense = |medium: &&Medium| medium.scatters() && medium.extinction().max_element() > DENSEST;
-    if let Some((index, medium)) = (0..).zip(scene.media).find(|(_, medium)| is_dense(medium)) {
+    if let Some((index, medium)) = (0..).zip(scene.media).find(|(_, medium)| medium.is_too_dense()) {
         let free_path = scene.units.length_to_user(1.0 / medium.extinction().max_element());
-        let albedo = diffuse_albedo(medium);
+        let albedo = medium.diffuse_albedo();
         let why = format!(
             "light goes {free_path:.1e} between collisions, less than the offsets of rays from surfaces: use a surface of \
              kind \"lambert\" with albedo {albedo:.3?}"
@@ -91,20 +89,6 @@ pub(super) fn check_media(scene: &SceneView<'_>, settings: &Settings) -> Result<
         );
     }
     Ok(())
-}
-
-/// Largest extinction coefficient of a medium that scatters light, normalised: a mean free path of 16 ray offsets.
-const DENSEST: f32 = 65_536.0;
-
-/// Diffuse albedo of a thick body of a medium under even light: van de Hulst's approximation (1980) for isotropic scattering,
-/// with the similarity relation for others.
-fn diffuse_albedo(medium: &Medium) -> [f32; 3] {
-    std::array::from_fn(|c| {
-        let (scattering, absorption) = (medium.scattering[c], medium.absorption[c]);
-        let reduced = scattering * (1.0 - medium.anisotropy) + absorption;
-        let s = if reduced > 0.0 { (absorption / reduced).sqrt() } else { 1.0 };
-        (1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s)
-    })
 }
 
 /// Whether reflections of this scene show caustics of all lights from photons. Camera paths leave these out, so that stages

@@ -178,7 +178,7 @@ elements!(
     ErrorMoments = 64,
     Primitive = 16,
     Material = 64,
-    Medium = 64,
+    Medium = 80,
     Light = 64,
     Camera = 64,
     TextureUse = 32,

@@ -122,6 +122,8 @@ bitflags! {
         const SCATTERING = 4;
         /// Space outside of all solids absorbs or scatters light.
         const AMBIENT = 8;
+        /// Some medium scatters light by another phase function than Henyey and Greenstein's.
+        const PHASES = 16;
     }
 }
 
@@ -134,7 +136,7 @@ impl MediaFeatures {
 
 impl fmt::Display for MediaFeatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = ["nested", "dispersion", "scattering", "ambient"];
+        let names = ["nested", "dispersion", "scattering", "ambient", "phases"];
         let present = names.into_iter().zip(Self::ALL).filter(|&(_, flag)| self.contains(flag));
         let listed: Vec<&str> = present.map(|(name, _)| name).collect();
         f.write_str(if listed.is_empty() { "none" } else { "" })?;

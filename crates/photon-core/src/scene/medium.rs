@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use crate::shading::phase::{Mie, Phase};
 use crate::shading::spectrum::Wavelength;
 
 /// Medium inside a solid. Entry 0 of a scene's table is the space outside of all solids: a vacuum, or an ambient medium
@@ -25,8 +26,12 @@ pub struct Medium {
     pub terms: [f32; 6],
     /// Scattering coefficient, per normalised length, ≥ 0, linear RGB.
     pub scattering: [f32; 3],
-    /// Mean cosine g of the Henyey–Greenstein phase function, in (−1, 1).
+    /// Mean cosine g of the Henyey–Greenstein phase function, in (−1, 1); of [`crate::phase::Mie::forward`] with [`Self::MIE`].
     pub anisotropy: f32,
+    /// Kind of phase function: 0 for Henyey–Greenstein, [`Self::RAYLEIGH`] or [`Self::MIE`].
+    pub phase: u32,
+    /// The other parameters with [`Self::MIE`]: `draine`, `alpha` and `share` of [`crate::phase::Mie`].
+    pub draine: [f32; 3],
 }
 
 impl Medium {
@@ -39,11 +44,28 @@ impl Medium {
         terms: [0.0; 6],
         scattering: [0.0; 3],
         anisotropy: 0.0,
+        phase: 0,
+        draine: [0.0; 3],
     };
     /// [`Self::dispersion`]: n = A + B/λ².
     pub const CAUCHY: u32 = 1;
     /// [`Self::dispersion`]: n² = 1 + Σ Bλ²/(λ² − C).
     pub const SELLMEIER: u32 = 2;
+    /// [`Self::phase`]: particles much smaller than the wavelength.
+    pub const RAYLEIGH: u32 = 1;
+    /// [`Self::phase`]: droplets of water.
+    pub const MIE: u32 = 2;
+
+    /// The medium with this phase function.
+    #[must_use]
+    pub fn with_phase(self, phase: Phase) -> Self {
+        let (kind, anisotropy, draine) = match phase {
+            Phase::HenyeyGreenstein(mean_cosine) => (0, mean_cosine, [0.0; 3]),
+            Phase::Rayleigh => (Self::RAYLEIGH, 0.0, [0.0; 3]),
+            Phase::Mie(Mie { forward, draine, alpha, share }) => (Self::MIE, forward, [draine, alpha, share]),
+        };
+        Self { phase: kind, anisotropy, draine, ..self }
+    }
 
     /// Extinction coefficient: absorption and scattering.
     #[inline]
@@ -57,6 +79,26 @@ impl Medium {
     #[must_use]
     pub fn scatters(&self) -> bool {
         self.scattering != [0.0; 3]
+    }
+
+    /// Whether it scatters light too densely to be traced: paths would step over boundaries, since their mean free path is below
+    /// 16 offsets of rays from surfaces.
+    #[must_use]
+    pub fn is_too_dense(&self) -> bool {
+        self.scatters() && self.extinction().max_element() > 65_536.0
+    }
+
+    /// Diffuse albedo of a thick body of it under even light: van de Hulst's approximation (1980) for isotropic scattering,
+    /// with the similarity relation for others.
+    #[must_use]
+    pub fn diffuse_albedo(&self) -> [f32; 3] {
+        let mean_cosine = Phase::of(self).mean_cosine();
+        std::array::from_fn(|c| {
+            let (scattering, absorption) = (self.scattering[c], self.absorption[c]);
+            let reduced = scattering * (1.0 - mean_cosine) + absorption;
+            let s = if reduced > 0.0 { (absorption / reduced).sqrt() } else { 1.0 };
+            (1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s)
+        })
     }
 
     /// Whether light is absorbed or scattered in it.

@@ -9,6 +9,7 @@ use crate::scene::media::MediumStack;
 use crate::scene::medium::Medium;
 use crate::scene::portal::Portal;
 use crate::scene::units::Units;
+use crate::shading::phase::Phase;
 use crate::shading::spectrum::{Spectrum, Wavelength};
 
 /// Tolerance of the squared length of unit vectors.
@@ -161,6 +162,14 @@ fn check_medium(medium: &Medium) -> Check {
     not_negative("scattering", &medium.scattering)?;
     let g = medium.anisotropy;
     require(g.abs() < 1.0, || format!("its anisotropy {g} must lie between -1 and 1"))?;
+    require(medium.phase <= Medium::MIE, || {
+        format!("its phase {} is unknown; use 0 or a constant of Medium", medium.phase)
+    })?;
+    let [draine, alpha, share] = medium.draine;
+    let is_lobe = draine > 0.0 && draine < 1.0 && alpha >= 0.0 && alpha.is_finite() && (0.0..=1.0).contains(&share);
+    require(medium.phase != Medium::MIE || (is_lobe && g >= 0.0), || {
+        format!("its phase function {:?} must be within the ranges of phase::Mie", Phase::of(medium))
+    })?;
     require(medium.ior.is_normal() && medium.ior > 0.0, || {
         format!("its ior {} must be finite and above 0", medium.ior)
     })?;

@@ -22,7 +22,7 @@ pub(super) fn fog() -> SceneBuilder {
     let plaster = scene.material(MaterialDesc::lambert("plaster", [0.40, 0.38, 0.35]));
     let boards = scene.material(MaterialDesc::lambert("boards", [0.32, 0.23, 0.16]));
     let clay = scene.material(MaterialDesc::lambert("clay", [0.62, 0.26, 0.14]));
-    scene.medium(AmbientMedium::new([0.14; 3], [0.002; 3]).with_anisotropy(0.2));
+    scene.medium(AmbientMedium::new([0.14; 3], [0.002; 3]).with_phase(0.2));
 
     let (h, top) = (HALF, HEIGHT);
     scene.quad("floor", [[-h, 0., h], [h, 0., h], [h, 0., -h], [-h, 0., -h]], boards);

@@ -10,7 +10,7 @@ use super::budget::{Budget, LoadOptions};
 use super::light_units::LightUnits;
 use super::schema::{File, Kind, Material};
 use crate::builder::SceneBuilder;
-use crate::describe::{AlphaMode, Dispersion, MaterialDesc, Surface};
+use crate::describe::{AlphaMode, Dispersion, MaterialDesc, PhaseDesc, PhaseKeys, Surface};
 use crate::error::SceneError;
 use crate::report::LoadReport;
 use crate::texture::TexturesDesc;
@@ -277,9 +277,10 @@ impl Overrides {
         }
         if kind != before {
             desc.transmission_absorption = None;
-            (desc.scattering, desc.scattering_anisotropy) = ([0.0; 3], 0.0);
+            (desc.scattering, desc.phase) = ([0.0; 3], PhaseDesc::default());
         }
         let mut new_scattering = with.scattering;
+        let (mut new_phase, mut new_droplets) = (with.phase.as_deref(), with.droplet_micrometres);
         let mut new_dispersion = self.dispersion(&desc.name, with)?;
         // One that gives the refractive index itself is replaced by another index.
         let is_replaced = with.ior.is_some() && !matches!(desc.dispersion, Some(Dispersion::Abbe(_)));
@@ -309,7 +310,12 @@ impl Overrides {
                 }
                 *absorption = new_absorption.take().map_or(*absorption, |given| given.rgb());
                 desc.scattering = new_scattering.take().map_or(desc.scattering, |given| given.rgb());
-                desc.scattering_anisotropy = new_anisotropy.take().unwrap_or(desc.scattering_anisotropy);
+                let keys = PhaseKeys {
+                    phase: new_phase.take(),
+                    anisotropy: new_anisotropy.take(),
+                    droplet_micrometres: new_droplets.take(),
+                };
+                desc.phase = self.phase(&format!("material '{}'", desc.name), desc.phase, keys)?;
                 desc.priority = new_priority.take().unwrap_or(desc.priority);
             }
             Surface::Thin { ior, tint, roughness } => {
@@ -347,6 +353,8 @@ impl Overrides {
             ("tint", new_tint.is_some()),
             ("absorption", new_absorption.is_some()),
             ("scattering", new_scattering.is_some()),
+            ("phase", new_phase.is_some()),
+            ("droplet_micrometres", new_droplets.is_some()),
             ("priority", new_priority.is_some()),
             ("metallic", new_metallic.is_some()),
             ("roughness", new_roughness.is_some()),
@@ -367,11 +375,10 @@ impl Overrides {
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
-            let hint = "lambert and mirror have albedo, glass has ior, cauchy, abbe, sellmeier, tint, roughness, \
-                        absorption, scattering, anisotropy, priority, boundary the last 4, thin ior, tint, roughness, \
+            let hint = "lambert, mirror have albedo, glass has ior, cauchy, abbe, sellmeier, tint, roughness, \
+                        absorption, scattering, phase, anisotropy, priority, boundary last 5, thin ior, tint, roughness, \
                         glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy, \
-                        anisotropy_degrees, transmission, and with that absorption, priority and, if it absorbs, \
-                        cauchy, abbe and sellmeier, \
+                        anisotropy_degrees, transmission, and with that absorption, priority and the dispersion of glass, \
                         all but boundary, glass and thin have clearcoat, clearcoat_roughness, sheen and sheen_roughness, \
                         lambert and glossy diffuse_transmission and diffuse_transmission_color; \
                         give another kind, or leave it out";

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::overrides::Overrides;
 use crate::builder::SceneBuilder;
-use crate::describe::{AlphaMode, AmbientMedium, CameraDesc, Dispersion, MaterialDesc, Projection, Surface};
+use crate::describe::{AlphaMode, AmbientMedium, CameraDesc, Dispersion, MaterialDesc, PhaseDesc, Projection, Surface};
 
 /// Before the materials.
 const HEAD: &str = "\
@@ -72,13 +72,24 @@ fn medium(scene: &SceneBuilder) -> String {
         AmbientMedium::new([scattering; 3], [0.0; 3])
     };
     let medium = scene.medium.unwrap_or_else(example);
-    format!(
+    let mut text = format!(
         "\n# A medium around everything, without bounds: not with light from infinity.\n# [medium]\n# scattering = {}\n# \
-         absorption = {}\n# anisotropy = {}\n",
+         absorption = {}\n",
         color(medium.scattering),
-        color(medium.absorption),
-        number(medium.anisotropy)
-    )
+        color(medium.absorption)
+    );
+    phase(medium.phase).into_iter().for_each(|(key, value)| text += &format!("# {key} = {value}\n"));
+    text
+}
+
+/// The keys of a phase function, and their values.
+fn phase(phase: PhaseDesc) -> Vec<(&'static str, String)> {
+    let name = ("phase", format!("\"{}\"", phase.name()));
+    match phase {
+        PhaseDesc::HenyeyGreenstein { anisotropy } => vec![("anisotropy", number(anisotropy))],
+        PhaseDesc::Rayleigh => vec![name],
+        PhaseDesc::Mie { droplet_micrometres } => vec![name, ("droplet_micrometres", number(droplet_micrometres))],
+    }
 }
 
 /// The keys of a material, their values, and whether the key would replace a texture.
@@ -115,8 +126,8 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
     if desc.scattering != [0.0; 3] {
         list.push(("scattering", color(desc.scattering), false));
     }
-    if desc.scattering_anisotropy != 0.0 {
-        list.push(("anisotropy", number(desc.scattering_anisotropy), false));
+    if desc.phase != PhaseDesc::default() {
+        list.extend(phase(desc.phase).into_iter().map(|(key, value)| (key, value, false)));
     }
     if let Some(dispersion) = desc.dispersion {
         list.push((dispersion.name(), dispersion_text(dispersion), false));
@@ -299,6 +310,9 @@ mod tests {
             .with_priority(3);
         other.material(glossy);
         other.material(MaterialDesc::glass("wax", 1.4).with_scattering([1.0, 2.0, 0.0], -0.5));
+        other.material(MaterialDesc::glass("haze", 1.0).with_scattering([1.0; 3], PhaseDesc::Rayleigh));
+        let mist = PhaseDesc::Mie { droplet_micrometres: 20.0 };
+        other.material(MaterialDesc::glass("mist", 1.0).with_scattering([1.0; 3], mist));
         other.material(MaterialDesc::glass("flint", 1.5).with_dispersion(Dispersion::Cauchy([1.6, 0.02])));
         let terms = [1.039_612_12, 0.231_792_344, 1.010_469_45, 0.006_000_698_67, 0.020_017_914_4, 103.560_653];
         other.material(MaterialDesc::glass("crown", 1.5).with_dispersion(Dispersion::Sellmeier(terms)));

@@ -1,6 +1,7 @@
 //! Override files.
 
 use crate::support::{Folder, MTL, OBJ, corners, material, message, names};
+use photon_core::phase::{Mie, Phase};
 use photon_core::{Material, MaterialKind, Medium, Wavelength};
 use photon_scene::{Overrides, load};
 use std::path::Path;
@@ -409,6 +410,14 @@ fn media_are_overridden() {
     assert_eq!(clamped.view().media[0].anisotropy, 0.999);
     assert!(clamped.warnings().iter().any(|text| text.contains("ambient") && text.contains("0.9999")));
 
+    let mie = Phase::Mie(Mie::droplets(20.0));
+    for (keys, phase) in [("\"rayleigh\"", Phase::Rayleigh), ("\"mie\"\ndroplet_micrometres = 20", mie)] {
+        let around = scene(&format!("[medium]\nscattering = 1\nphase = {keys}\n"));
+        assert_eq!(Phase::of(&around.view().media[0]), phase);
+        let within = scene(&format!("[materials.wall]\nkind = \"glass\"\nscattering = 1\nphase = {keys}\n"));
+        assert_eq!(Phase::of(&within.view().media[material(&within, "wall").medium as usize]), phase);
+    }
+
     let fault = |text: &str| message(parse(text).and_then(|overrides| load(&obj, Some(&overrides))));
     let glass = |keys: &str| fault(&format!("[materials.wall]\nkind = \"glass\"\n{keys}\n"));
     for value in ["-0.5", "nan", "inf", "[0, 0, -1]"] {
@@ -433,12 +442,31 @@ fn media_are_overridden() {
         let text = format!("[materials.wall]\nkind = \"boundary\"\n{key} = {value}\n");
         names(&fault(&text), &["'wall'", "boundary", "no ", key]);
     }
-    for phase in ["rayleigh", "mie"] {
-        names(&fault(&format!("[medium]\nphase = \"{phase}\"\n")), &["[medium]", phase, "not supported yet", "hg"]);
-        names(&glass(&format!("phase = \"{phase}\"")), &["'wall'", phase, "not supported yet", "hg"]);
+    for (keys, expected) in [
+        ("phase = \"isotropic\"", ["unknown phase", "isotropic", "\"hg\", \"rayleigh\" or \"mie\""]),
+        ("droplet_micrometres = 10", ["\"hg\" with droplet_micrometres", "leave", "phase = \"mie\""]),
+        (
+            "phase = \"rayleigh\"\ndroplet_micrometres = 10",
+            ["\"rayleigh\" with droplet_micrometres", "leave", "\"mie\""],
+        ),
+        ("phase = \"rayleigh\"\nanisotropy = 0", ["\"rayleigh\" with anisotropy", "leave", "phase = \"hg\""]),
+        ("phase = \"mie\"\ndroplet_micrometres = 9\nanisotropy = 0", ["\"mie\" with anisotropy", "leave", "\"hg\""]),
+        ("phase = \"mie\"", ["without droplet_micrometres", "give", "5 to 50"]),
+        ("phase = \"mie\"\ndroplet_micrometres = 4", ["droplet_micrometres is 4", "between", "5 and 50"]),
+        ("phase = \"mie\"\ndroplet_micrometres = 60", ["droplet_micrometres is 60", "between", "5 and 50"]),
+        ("phase = \"mie\"\ndroplet_micrometres = nan", ["droplet_micrometres is NaN", "between", "5 and 50"]),
+    ] {
+        let around = fault(&format!("[medium]\nscattering = 1\n{keys}\n"));
+        names(&around, &expected);
+        names(&around, &["medium"]);
+        let within = glass(&format!("scattering = 1\n{keys}"));
+        names(&within, &expected);
+        names(&within, &["'wall'"]);
     }
-    names(&fault("[medium]\nphase = \"isotropic\"\n"), &["[medium]", "unknown phase", "isotropic", "hg"]);
-    names(&fault("[medium]\ndroplet_micrometres = 10\n"), &["[medium]", "droplet_micrometres", "mie"]);
+    for kind in ["lambert", "mirror", "thin", "glossy"] {
+        let text = format!("[materials.wall]\nkind = \"{kind}\"\nphase = \"rayleigh\"\n");
+        names(&fault(&text), &["'wall'", kind, "no phase", "glass has"]);
+    }
     names(&fault("[medium]\nbox = [[0, 0, 0], [1, 1, 1]]\n"), &["box", "not supported yet", "boundary"]);
     for (key, value) in [("grid", "\"a.vol\""), ("density_scale", "1")] {
         names(&glass(&format!("{key} = {value}")), &["'wall'", key, "not supported yet"]);

@@ -86,7 +86,7 @@ static void media(PmMaterial material)
 {
     PmScene *scene = NULL;
     PmBuilder *builder = NULL;
-    PmMedium fog = {sizeof fog, {1, 2, 3}, {0, 0, 0}, 0.5};
+    PmMedium fog = {sizeof fog, {1, 2, 3}, {0, 0, 0}, 0.5, 0, PM_PHASE_HENYEY_GREENSTEIN};
     OK(pm_builder_new(&builder));
     BAD(pm_builder_medium(NULL, &fog), "builder is NULL");
     BAD(pm_builder_medium(builder, NULL), "PmMedium is NULL");
@@ -94,13 +94,25 @@ static void media(PmMaterial material)
     fog.anisotropy = 1;
     OK(pm_builder_medium(builder, &fog));
     EXPECT(pm_builder_build(builder, &scene), PM_STATUS_INVALID_SCENE, "anisotropy");
+    /* Only Henyey and Greenstein's has it. */
+    fog.phase = PM_PHASE_RAYLEIGH;
+    OK(pm_builder_medium(builder, &fog));
+    OK(pm_builder_build(builder, &scene));
+    pm_scene_free(scene);
+    fog.phase = PM_PHASE_MIE;
+    fog.droplet_micrometres = 4;
+    OK(pm_builder_medium(builder, &fog));
+    EXPECT(pm_builder_build(builder, &scene), PM_STATUS_INVALID_SCENE, "droplet_micrometres");
+    fog.phase = 3;
+    BAD(pm_builder_medium(builder, &fog), "PmMedium.phase");
+    fog.phase = PM_PHASE_HENYEY_GREENSTEIN;
     fog.anisotropy = 0;
     fog.scattering[1] = NAN;
     OK(pm_builder_medium(builder, &fog));
     EXPECT(pm_builder_build(builder, &scene), PM_STATUS_INVALID_SCENE, "scattering");
     fog.size = 1;
     BAD(pm_builder_medium(builder, &fog), "sizeof(PmMedium)");
-    fog = (PmMedium){sizeof fog, {0, 0, 0}, {0, 0, 0}, 0};
+    fog = (PmMedium){sizeof fog, {0, 0, 0}, {0, 0, 0}, 0, 0, 0};
     OK(pm_builder_medium(builder, &fog));
     /* Kinds that have no inside ignore it. */
     material.scattering[0] = -1;
@@ -109,6 +121,9 @@ static void media(PmMaterial material)
     pm_scene_free(scene);
     material.kind = PM_MATERIAL_DIELECTRIC;
     material.ior = 1;
+    material.phase = 3;
+    BAD(pm_builder_material(builder, &material, NULL), "PmMaterial.phase");
+    material.phase = PM_PHASE_RAYLEIGH;
     OK(pm_builder_material(builder, &material, NULL));
     EXPECT(pm_builder_build(builder, &scene), PM_STATUS_INVALID_SCENE, "scattering");
     pm_builder_free(builder);
@@ -136,7 +151,7 @@ static void scenes(void)
 
     BAD(pm_builder_new(NULL), "NULL");
     OK(pm_builder_new(&builder));
-    PmMaterial white = {sizeof white, "white", PM_MATERIAL_LAMBERT, 0, {.5, .5, .5}, {0, 0, 0}, 0, {0, 0, 0}, 0, 0, 0, 0, 0, {0}, {0, 0, 0}, 0};
+    PmMaterial white = {sizeof white, "white", PM_MATERIAL_LAMBERT, 0, {.5, .5, .5}, {0, 0, 0}, 0, {0, 0, 0}, 0, 0, 0, 0, 0, {0}, {0, 0, 0}, 0, 0, 0};
     PmMaterial wrong = white;
     BAD(pm_builder_material(builder, NULL, NULL), "PmMaterial is NULL");
     BAD(pm_builder_material(NULL, &white, NULL), "builder is NULL");

@@ -1,8 +1,10 @@
-//! Media as Mitsuba has them: homogeneous, with the phase function of Henyey and Greenstein.
+//! Media as Mitsuba has them: homogeneous, with its phase functions.
 
 use std::fmt::Write as _;
 
 use photon_core::Medium;
+use photon_core::glam::Vec3;
+use photon_core::phase::{Mie, Phase};
 use photon_scene::Scene;
 
 use super::rgb;
@@ -44,10 +46,7 @@ fn element(medium: &Medium, unit: f64, attribute: &str) -> Option<String> {
         0.0 => 0.0,
         extinction => scattering[channel] / extinction,
     });
-    let phase = match medium.anisotropy {
-        0.0 => String::new(),
-        g => format!("<phase type=\"hg\"><float name=\"g\" value=\"{g}\"/></phase>"),
-    };
+    let phase = phase(Phase::of(medium));
     Some(format!(
         "<medium {attribute} type=\"homogeneous\">{}<float name=\"scale\" value=\"{}\"/>{}{phase}</medium>",
         rgb("sigma_t", extinction.map(|part| part / greatest)),
@@ -55,3 +54,33 @@ fn element(medium: &Medium, unit: f64, attribute: &str) -> Option<String> {
         rgb("albedo", albedo)
     ))
 }
+
+/// A phase function; empty for even scattering, Mitsuba's default.
+fn phase(of: Phase) -> String {
+    let lobe = |g: f32| format!("<phase type=\"hg\"><float name=\"g\" value=\"{g}\"/></phase>");
+    match of {
+        Phase::HenyeyGreenstein(0.0) => String::new(),
+        Phase::HenyeyGreenstein(g) => lobe(g),
+        Phase::Rayleigh => "<phase type=\"rayleigh\"/>".to_owned(),
+        // Only the narrow lobe is there; the wide one is a table by the cosine, from -1 to 1.
+        Phase::Mie(mie) => {
+            let wide = Phase::Mie(Mie { share: 1.0, ..mie });
+            let value = |step: u32| {
+                let cosine = f64::from(step) / f64::from(TABLE_STEPS / 2) - 1.0;
+                let to = Vec3::new((1.0 - cosine * cosine).sqrt() as f32, cosine as f32, 0.0);
+                format!("{:.7}", wide.value(Vec3::Y, to))
+            };
+            let values: Vec<String> = (0..=TABLE_STEPS).map(value).collect();
+            format!(
+                "<phase type=\"blendphase\"><float name=\"weight\" value=\"{}\"/>{}<phase type=\"tabphase\"><string \
+                 name=\"values\" value=\"{}\"/></phase></phase>",
+                mie.share,
+                lobe(mie.forward),
+                values.join(", ")
+            )
+        }
+    }
+}
+
+/// Steps of tables of phase functions, of which linear interpolation is off by less than 2·10⁻⁴.
+const TABLE_STEPS: u32 = 1024;

@@ -278,7 +278,7 @@ fn media_are_written_for_mitsuba() {
     let folder = folder("export-media");
     let overrides = folder.join("fog.toml");
     let media = "[medium]\nscattering = [0.3, 0.15, 0]\nabsorption = [0.1, 0.05, 0.4]\nanisotropy = 0.5\n\
-                 [materials.glass]\nkind = \"boundary\"\nscattering = 2\nabsorption = 6\n";
+                 [materials.glass]\nkind = \"boundary\"\nscattering = 2\nabsorption = 6\nphase = \"rayleigh\"\n";
     std::fs::write(&overrides, media).unwrap();
     let file = folder.join("fog.xml");
     succeeded(&run(
@@ -301,15 +301,33 @@ fn media_are_written_for_mitsuba() {
             assert!((found[channel] - albedo[channel]).abs() < 1e-6, "{medium}: {found:?}");
         }
     }
-    // The sensor and the ball are in fog; of the two media only that has a phase function of its own.
+    // The sensor and the ball are in fog.
     for (part, count) in [
         ("<ref id=\"ambient\"/>", 1),
         ("<ref name=\"exterior\" id=\"ambient\"/>", 1),
         ("<phase type=\"hg\"><float name=\"g\" value=\"0.5\"/></phase>", 1),
-        ("<phase", 1),
+        ("<phase type=\"rayleigh\"/>", 1),
+        ("<phase", 2),
         ("<bsdf type=\"null\"/>", 1),
         ("type=\"volpathmis\"", 1),
     ] {
         assert_eq!(text.matches(part).count(), count, "{part}: {text}");
     }
+    // Droplets are a narrow lobe and a table: with steps of 1/512 in the cosine, its integral over the sphere is 1.
+    std::fs::write(&overrides, "[medium]\nscattering = 1\nphase = \"mie\"\ndroplet_micrometres = 10\n").unwrap();
+    let file = folder.join("mie.xml");
+    succeeded(&run(
+        "export",
+        &["cornell-glass", "--overrides", overrides.to_str().unwrap(), "-o", file.to_str().unwrap()],
+    ));
+    let text = std::fs::read_to_string(&file).unwrap();
+    for lobe in ["name=\"weight\" value=\"0.4819", "name=\"g\" value=\"0.9881"] {
+        assert_eq!(text.matches(lobe).count(), 1, "{lobe}");
+    }
+    let (_, table) = text.split_once("tabphase\"><string name=\"values\" value=\"").unwrap();
+    let table = table.split_once('"').unwrap().0.split(", ").map(|value| value.parse().unwrap());
+    let table: Vec<f64> = table.collect();
+    let ends = 0.5 * (table[0] + table[table.len() - 1]);
+    let sum = (table.iter().sum::<f64>() - ends) * 2.0 * std::f64::consts::PI / 512.0;
+    assert!(table.len() == 1025 && (sum - 1.0).abs() < 1e-4, "{sum}");
 }

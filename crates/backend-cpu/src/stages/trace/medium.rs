@@ -2,8 +2,9 @@
 
 use photon_core::flight::{self, FOCUSED_DEPOSITS, Flight};
 use photon_core::glam::Vec3;
+use photon_core::phase::Phase;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{MapKind, MediumStack, Pass, PerMap, Photon, RandomKind, Ray, octahedral, phase};
+use photon_core::{MapKind, MediumStack, Pass, PerMap, Photon, RandomKind, Ray, octahedral};
 
 use super::{PhotonList, Walk};
 use crate::stretches::Stretch;
@@ -111,7 +112,7 @@ impl MediumWalk {
         }
         *power = found.power;
         let [u, v, ..] = self.flights.words(2 * event + 1);
-        let direction = phase::sample(medium.anisotropy, ray.direction, [u, v].map(unit_f32));
+        let direction = Phase::of(medium).sample(ray.direction, [u, v].map(unit_f32));
         self.collisions += 1;
         let origin = ray.origin + ray.direction * (stretch.from + found.distance);
         Crossing::Collides(Ray { origin, direction, t_max: f32::INFINITY })

@@ -53,18 +53,22 @@ impl<'a> Solids<'a> {
 
     /// What kernels have to support for these solids: [`MediaFeatures::NESTED`] if the bounding boxes of
     /// two of them overlap; [`MediaFeatures::DISPERSION`], with which it comes, if the refractive index of one depends on the
-    /// wavelength; [`MediaFeatures::SCATTERING`] and [`MediaFeatures::AMBIENT`] for the media inside and around them.
+    /// wavelength; [`MediaFeatures::SCATTERING`], [`MediaFeatures::AMBIENT`] and [`MediaFeatures::PHASES`] for the media
+    /// inside and around them.
     #[must_use]
     pub fn features(&self) -> MediaFeatures {
         let around = self.scene.media.first();
         let inside = || self.solids.iter().filter_map(|solid| self.scene.media.get(solid.medium as usize));
         let is_dispersive = inside().any(Medium::is_dispersive);
-        let scatters = around.into_iter().chain(inside()).any(Medium::scatters);
+        let scattering = || around.into_iter().chain(inside()).filter(|medium| medium.scatters());
+        let scatters = scattering().next().is_some();
+        let has_phases = scattering().any(|medium| medium.phase != 0);
         let is_ambient = around.is_some_and(Medium::attenuates);
         let mut features = MediaFeatures::NONE;
         features.set(MediaFeatures::DISPERSION, is_dispersive);
         features.set(MediaFeatures::SCATTERING, scatters);
         features.set(MediaFeatures::AMBIENT, is_ambient);
+        features.set(MediaFeatures::PHASES, has_phases);
         features.set(MediaFeatures::NESTED, is_dispersive || self.overlap());
         features
     }

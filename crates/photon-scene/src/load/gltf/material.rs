@@ -82,7 +82,7 @@ pub(super) fn describe(
         transmission_absorption: absorption,
         dispersion: (parameters.dispersion > 0.0 && is_solid).then(|| Dispersion::Abbe(20.0 / parameters.dispersion)),
         scattering,
-        scattering_anisotropy: mean_cosine,
+        phase: mean_cosine.into(),
         sheen_color: parameters.sheen_color,
         sheen_roughness: parameters.sheen_roughness,
         textures: parameters.textures,

@@ -3,13 +3,12 @@
 use super::super::schema::{Material, Medium};
 use super::Overrides;
 use crate::builder::SceneBuilder;
-use crate::describe::AmbientMedium;
+use crate::describe::{AmbientMedium, PhaseDesc, PhaseKeys};
 use crate::error::SceneError;
 
 impl Overrides {
     /// Sets the ambient medium; keys that are not given keep what the scene has.
     pub(super) fn medium(&self, with: &Medium, scene: &mut SceneBuilder) -> Result<(), SceneError> {
-        self.phase("[medium]", with.phase.as_deref(), with.droplet_micrometres.is_some())?;
         if with.bounds.is_some() {
             let what = "[medium] has the key box, which is not supported yet".to_owned();
             let hint =
@@ -19,15 +18,19 @@ impl Overrides {
         let before = scene.medium.unwrap_or_default();
         let scattering = with.scattering.map_or(before.scattering, |given| given.rgb());
         let absorption = with.absorption.map_or(before.absorption, |given| given.rgb());
-        let anisotropy = with.anisotropy.unwrap_or(before.anisotropy);
-        scene.medium(AmbientMedium::new(scattering, absorption).with_anisotropy(anisotropy));
+        let keys = PhaseKeys {
+            phase: with.phase.as_deref(),
+            anisotropy: with.anisotropy,
+            droplet_micrometres: with.droplet_micrometres,
+        };
+        let phase = self.phase("[medium]", before.phase, keys)?;
+        scene.medium(AmbientMedium::new(scattering, absorption).with_phase(phase));
         Ok(())
     }
 
     /// Refuses what materials cannot have yet.
     pub(super) fn check_media_keys(&self, name: &str, with: &Material) -> Result<(), SceneError> {
         let what = format!("material '{name}'");
-        self.phase(&what, with.phase.as_deref(), with.droplet_micrometres.is_some())?;
         let grid = [
             ("grid", with.grid.is_some()),
             ("transform", with.transform.is_some()),
@@ -42,19 +45,11 @@ impl Overrides {
         }
     }
 
-    fn phase(&self, what: &str, phase: Option<&str>, has_droplets: bool) -> Result<(), SceneError> {
-        let hint = "use \"hg\", the Henyey-Greenstein function with the mean cosine of the key anisotropy";
-        match phase {
-            Some("rayleigh" | "mie") => {
-                let phase = phase.unwrap_or_default();
-                Err(self.fault(format!("{what} has the phase \"{phase}\", which is not supported yet"), hint))
-            }
-            Some("hg") | None if has_droplets => {
-                let hint = "leave it out: it belongs to the phase \"mie\", which is not supported yet";
-                Err(self.fault(format!("{what} has the key droplet_micrometres"), hint))
-            }
-            Some("hg") | None => Ok(()),
-            Some(other) => Err(self.fault(format!("{what} has the unknown phase \"{other}\""), hint)),
-        }
+    /// The phase function of a medium with these keys.
+    pub(super) fn phase(&self, what: &str, before: PhaseDesc, keys: PhaseKeys<'_>) -> Result<PhaseDesc, SceneError> {
+        before.with_keys(keys).map_err(|error| match error {
+            SceneError::Phase { what: keys, hint } => self.fault(format!("{what} has {keys}"), hint),
+            other => other,
+        })
     }
 }

@@ -81,7 +81,7 @@ fn drafts_of_scattering_split_the_extinction() {
         // 0.953 816 is the albedo of 0.5 with g = 0.5; black is 6e-6, since its coefficients are rounded.
         let expected = [extinction[0] * 0.953_816, 0.0, 0.0];
         let far = wax.scattering.iter().zip(expected).any(|(found, expected)| (found - expected).abs() > 1e-5);
-        assert!(!far && wax.scattering_anisotropy == 0.5, "{wax:?}");
+        assert!(!far && wax.phase == 0.5.into(), "{wax:?}");
         close(std::array::from_fn(|channel| absorption[channel] + wax.scattering[channel]), extinction);
         assert!(says(&report, "it", "draft") && report.lines.len() == 1, "{report}");
     }
@@ -90,7 +90,7 @@ fn drafts_of_scattering_split_the_extinction() {
     assert!(clear.scattering == [0.0; 3] && report.lines.is_empty(), "{report}");
     let (forward, report) =
         of(r#""KHR_materials_volume_scatter": {"multiscatterColor": [1, 1, 1], "scatterAnisotropy": 1}"#);
-    assert!(forward.scattering_anisotropy == 0.999 && says(&report, "it", "0.999"), "{report}");
+    assert!(forward.phase == 0.999.into() && says(&report, "it", "0.999"), "{report}");
     let (textured, report) = of(
         r#""KHR_materials_volume_scatter": {"multiscatterColor": [1, 1, 1], "multiscatterColorTexture": {"index": 0}}"#,
     );

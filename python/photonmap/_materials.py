@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import os
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -116,7 +117,11 @@ class Material:
         cutoff = None if self.alpha_cutoff is None else number("alpha_cutoff", self.alpha_cutoff)
         textures = (self._textures(builder, name, added), number("normal_scale", self.normal_scale), cutoff)
         glass = (*self._transmission(), self._scattering(), self._dispersion())
-        return builder.material(name, surface, emission, both, coat, sheen, *glass, textures)
+        index = builder.material(name, surface, emission, both, coat, sheen, *glass, textures)
+        grid = self._grid()
+        if grid is not None:
+            builder.grid(index, *grid)
+        return index
 
     def _textures(self, builder: Any, name: str, added: dict[Any, int]) -> list[tuple[str, int, int]]:
         """Uses, numbers and UV sets of the textures. `added` has those of other materials."""
@@ -138,6 +143,10 @@ class Material:
     def _scattering(self) -> tuple[list[float], tuple[str, float, float | None]]:
         """Coefficient and phase function."""
         return [0.0] * 3, ("hg", 0.0, None)
+
+    def _grid(self) -> tuple[Any, ...] | None:
+        """File, densities, cells, transform and scale."""
+        return None
 
     def _dispersion(self) -> list[float]:
         """None, or the 1, 2 or 6 numbers of a formula."""
@@ -185,6 +194,10 @@ class Glass(Material):
     `phase`: "hg" (Henyey and Greenstein) with the mean cosine `anisotropy` of the scattering, in (-1, 1); "rayleigh"; or "mie"
     with `droplet_micrometres`, 5 to 50. `tint` multiplies the light at each crossing. `roughness` in [0, 1]; 0 is smooth.
 
+    `grid`: densities that multiply both, of shape (z, y, x) and at least 0, or a `.vol` or `.nvdb` file; trilinear between the
+    centres of cells. `transform`: four rows, from the unit cube, which the cells fill; by default that cube, or the box of the
+    file. `density_scale`: a factor.
+
     Light is dispersed by at most one of `abbe`, the Abbe number, > 0; `cauchy`, `(A, B)` of n = A + B/λ²; and `sellmeier`,
     `(B1, B2, B3, C1, C2, C3)` of n² = 1 + Σ Bλ²/(λ² − C), λ in micrometres. The last two replace `ior`. Not for thin panes.
     """
@@ -201,9 +214,39 @@ class Glass(Material):
     anisotropy: float = 0.0
     phase: str = "hg"
     droplet_micrometres: float | None = None
+    # Arrays have no truth value by which dataclasses could compare them.
+    grid: Any = field(default=None, compare=False)
+    transform: Any = field(default=None, compare=False)
+    density_scale: float = 1.0
 
     def _scattering(self) -> tuple[list[float], tuple[str, float, float | None]]:
         return triple("scattering", self.scattering), phase(self.phase, self.anisotropy, self.droplet_micrometres)
+
+    def _grid(self) -> tuple[Any, ...] | None:
+        if self.grid is None:
+            if self.transform is not None or self.density_scale != 1.0:
+                raise InputError("glass has transform or density_scale, but no grid; give it a grid of densities")
+            return None
+        rows = None
+        if self.transform is not None:
+            try:
+                rows = np.asarray(self.transform, dtype=np.float64)
+            except (TypeError, ValueError):
+                rows = np.empty(0)
+            if rows.shape != (4, 4):
+                raise InputError(f"transform is {self.transform!r}, but must be four rows of four numbers")
+            rows = rows.tolist()
+        scale = number("density_scale", self.density_scale)
+        if isinstance(self.grid, (str, os.PathLike)):
+            return os.fspath(self.grid), np.empty(0, np.float32), (0, 0, 0), rows, scale
+        try:
+            densities = np.ascontiguousarray(self.grid, dtype=np.float32)
+        except (TypeError, ValueError):
+            densities = np.empty(0, np.float32)
+        if densities.ndim != 3:
+            raise InputError("grid must be a file, or numbers of shape (z, y, x)")
+        depth, height, width = densities.shape
+        return None, densities.reshape(-1), (width, height, depth), rows, scale
 
     def _dispersion(self) -> list[float]:
         formulas = (("abbe", 1), ("cauchy", 2), ("sellmeier", 6))

@@ -81,6 +81,15 @@ class RawBuilder:
         dispersion: list[float],
         textures: tuple[list[tuple[str, int, int]], float, float | None],
     ) -> int: ...
+    def grid(
+        self,
+        material: int,
+        file: str | None,
+        densities: _F32,
+        cells: tuple[int, int, int],
+        transform: list[list[float]] | None,
+        density_scale: float,
+    ) -> None: ...
     def texture_bytes(
         self, name: str, texels: NDArray[np.uint8], width: int, is_color: bool, wraps: tuple[int, int], nearest: bool
     ) -> int: ...

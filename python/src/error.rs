@@ -79,7 +79,7 @@ impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         let kind = match error {
             SceneError::Read { .. } => Kind::File,
-            SceneError::Memory { .. } => Kind::Memory,
+            SceneError::Memory { .. } | SceneError::OutOfMemory(_) => Kind::Memory,
             _ => Kind::Input,
         };
         Self::new(kind, chain(&error))

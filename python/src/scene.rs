@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
-    AmbientMedium, CameraDesc, Dispersion, EnvironmentDesc, EnvironmentName, LightDesc, LoadOptions, LoadReport,
-    MaterialDesc, MaterialId, Overrides, PhaseDesc, PhaseKeys, Projection, ReportKind, Scene, SceneBuilder, Sun,
-    Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with, summed_up,
+    AmbientMedium, CameraDesc, Dispersion, EnvironmentDesc, EnvironmentName, GridDesc, LightDesc, LoadOptions,
+    LoadReport, MaterialDesc, MaterialId, Overrides, PhaseDesc, PhaseKeys, Projection, ReportKind, Scene, SceneBuilder,
+    Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with,
+    summed_up,
 };
 use pyo3::prelude::*;
 
@@ -145,6 +146,29 @@ impl RawBuilder {
         let desc = texture::used(desc, textures, &self.textures)?;
         self.materials.push(self.builder.material(desc));
         Ok(self.materials.len() - 1)
+    }
+
+    /// Gives a material densities: of a file, or of an array with x fastest. Without a transform, they fill the box of the file,
+    /// or the unit cube.
+    fn grid(
+        &mut self,
+        material: usize,
+        file: Option<&str>,
+        densities: PyReadonlyArray1<'_, f32>,
+        cells: [u32; 3],
+        transform: Option<[[f64; 4]; 4]>,
+        density_scale: f64,
+    ) -> PyResult<()> {
+        let unknown = || Failure::input(format!("no material has the number {material}"));
+        let id = *self.materials.get(material).ok_or_else(unknown)?;
+        let desc = match file {
+            Some(file) => GridDesc::read(Path::new(file), &LoadOptions::default()).map_err(Failure::from)?,
+            None => GridDesc::new(cells, densities.as_array().iter().copied().collect::<Vec<f32>>()),
+        };
+        let desc = transform.map_or(desc.clone(), |transform| desc.with_transform(transform));
+        let desc = desc.with_density_scale(density_scale);
+        self.builder.material_mut(id).ok_or_else(unknown)?.grid = Some(desc);
+        Ok(())
     }
 
     /// Adds an image of bytes, four for each texel, and returns its number. `wraps`: 0 to repeat, 1 to mirror, 2 to clamp.

@@ -34,3 +34,38 @@ def test_media():
     for wrong in (pm.Glass(scattering=-1), pm.Glass(scattering=1, anisotropy=-1), pm.Glass(thin=True, scattering=1)):
         with pytest.raises(pm.InputError, match="scattering|anisotropy"):
             scene().quad("milk", FLOOR, wrong).build()
+
+
+def test_grids():
+    """Densities inside a solid: of an array or a file, alike; and wrong ones are refused."""
+    densities = np.arange(24, dtype=np.float32).reshape(2, 3, 4)
+
+    def scene(**smoke):
+        glass = pm.Glass(1, scattering=1, **smoke)
+        return pm.Scene().quad("floor", FLOOR).point_light([0, 1, 0], 10).quad("smoke", FLOOR, glass)
+
+    assert scene(grid=densities).digest != scene().digest
+    assert scene(grid=densities).digest != scene(grid=densities, transform=np.diag([2.0, 1, 1, 1])).digest
+    assert scene(grid=densities, density_scale=2).digest == scene(grid=2 * densities).digest
+    wrong = (
+        {"grid": -densities},
+        {"grid": [1, 2]},
+        {"grid": densities, "transform": np.zeros((4, 4))},
+        {"grid": "absent.vol"},
+        {"density_scale": 2},
+    )
+    for given in wrong:
+        with pytest.raises(pm.Error, match="grid|transform|absent|density"):
+            scene(**given).build()
+
+
+def test_grid_files(tmp_path):
+    densities = np.arange(24, dtype=np.float32).reshape(2, 3, 4)
+    header = b"VOL\x03" + np.array([1, 4, 3, 2, 1], "<i4").tobytes() + np.array([0, 0, 0, 1, 1, 1], "<f4").tobytes()
+    path = tmp_path / "a.vol"
+    path.write_bytes(header + densities.tobytes())
+    digests = [
+        pm.Scene().quad("floor", FLOOR).point_light([0, 1, 0], 10).quad("smoke", FLOOR, pm.Glass(1, scattering=1, grid=grid)).digest
+        for grid in (path, densities)
+    ]
+    assert digests[0] == digests[1]

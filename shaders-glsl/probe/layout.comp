@@ -32,15 +32,16 @@ void main() {
         case 5u: COPY(Primitives); break;
         case 6u: COPY(Materials); break;
         case 7u: COPY(Media); break;
-        case 8u: COPY(Lights); break;
-        case 9u: COPY(Cameras); break;
-        case 10u: COPY(TextureUses); break;
-        case 11u: COPY(MaterialTextureTable); break;
-        case 12u: COPY(AnisotropyTable); break;
-        case 13u: COPY(TransmissionTable); break;
-        case 14u: COPY(SheenLayerTable); break;
-        case 15u: COPY(ClearcoatNormalTable); break;
-        case 16u: COPY(PartialTransmissionTable); break;
+        case 8u: COPY(Grids); break;
+        case 9u: COPY(Lights); break;
+        case 10u: COPY(Cameras); break;
+        case 11u: COPY(TextureUses); break;
+        case 12u: COPY(MaterialTextureTable); break;
+        case 13u: COPY(AnisotropyTable); break;
+        case 14u: COPY(TransmissionTable); break;
+        case 15u: COPY(SheenLayerTable); break;
+        case 16u: COPY(ClearcoatNormalTable); break;
+        case 17u: COPY(PartialTransmissionTable); break;
         default: COPY(LightNodes); break;
     }
 }

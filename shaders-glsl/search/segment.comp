@@ -19,7 +19,7 @@ layout(constant_id = 5) const uint MEDIA = 4;
 
 #include "shading/constants.glsl"
 #include "shading/kernel.glsl"
-#include "shading/media.glsl"
+#include "shading/stretches.glsl"
 #include "shading/octahedral.glsl"
 #include "shading/phase.glsl"
 #include "shading/segment.glsl"
@@ -44,6 +44,9 @@ Segment segment;
 uint index_of_medium;
 vec3 extinction;
 Phase phase;
+// Whether it has a grid of densities, and then the columns along the segment.
+bool sees_grid;
+Columns columns;
 float scale;
 // Feet on its line that count: by several radii beyond its ends, which are oblique planes.
 vec2 range;
@@ -69,7 +72,9 @@ void add(uint place, inout vec3 sum) {
     if (staged[place].w != index_of_medium || !segment_contains(segment, gap)) return;
     float weight = kernel_weight(KERNEL, min(d2 * scale, 1.0))
         * phase_value(phase, directions[place], segment.direction);
-    sum += powers[place] * weight * exp_neg3(extinction * max(foot, 0.0));
+    float column = max(foot, 0.0);
+    if (sees_grid) column = columns_to(columns, column);
+    sum += powers[place] * weight * exp_neg3(extinction * column);
     photons++;
 }
 
@@ -79,7 +84,12 @@ void visit(uint mode, uvec2 firsts) {
     uint end = (gl_SubgroupID + 1) * TILE_POINTS;
     for (uint place = end - TILE_POINTS; place < end; place += 8) {
         vec3 sum = vec3(0.0);
-        EIGHT(ADD, place);
+        if (GRIDS) {
+            // Not unrolled, since each walks through a grid.
+            for (uint k = 0; k < 8; ++k) add(place + k, sum);
+        } else {
+            EIGHT(ADD, place);
+        }
         sum_add(flux, sum);
     }
 }
@@ -130,6 +140,7 @@ void main() {
     limit = 0;
     flux = NOTHING;
     photons = 0;
+    sees_grid = false;
     if (asked) {
         SceneRef scene = SceneRef(push.albedos);
         segment = segment_of(push.queries[index].at);
@@ -137,6 +148,12 @@ void main() {
         index_of_medium = media_current(scene, segment.media);
         Medium medium = scene.media[index_of_medium].at;
         extinction = medium_extinction(medium);
+        sees_grid = has_grid(scene, index_of_medium);
+        if (sees_grid) {
+            GridTables tables = scene.grids;
+            Grid grid = tables.grids[index_of_medium].at;
+            columns = columns_new(tables, grid, at, segment.direction, segment.far);
+        }
         phase = phase_of(medium);
         precise float wanted = push.queries[index].at.radius * push.radius;
         // In dense media photons are closer together than a mean free path, or are noise.

@@ -28,6 +28,7 @@ const uint MEDIA_DISPERSION = 2u;
 const uint MEDIA_SCATTERING = 4u;
 const uint MEDIA_AMBIENT = 8u;
 const uint MEDIA_PHASES = 16u;
+const uint MEDIA_GRIDS = 32u;
 
 // Medium::dispersion.
 const uint MEDIUM_CAUCHY = 1u;
@@ -197,6 +198,13 @@ const float OCTAHEDRAL_STEPS = 32767.0;
 const float FLIGHT_FAR = 56.0;
 const uint FLIGHT_MAX_COLLISIONS = 1024u;
 const uint FLIGHT_FOCUSED_DEPOSITS = 8u;
+
+// grid.
+const uint GRID_BRICK = 8u;
+const uint GRID_NODES = 9u;
+const uint GRID_STORED = 2147483648u;
+const uint GRID_ROOT_STEPS = 16u;
+const uint GRID_KNOTS = 32u;
 
 // offset.
 const float OFFSET_STEP = 9.5367431640625e-7;

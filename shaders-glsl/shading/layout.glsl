@@ -85,6 +85,14 @@ struct Medium {
     float draine[3];
 };
 
+struct Grid {
+    vec4 x;
+    vec4 y;
+    vec4 z;
+    uvec3 cells;
+    uint first;
+};
+
 struct Light {
     vec3 position;
     uint kind;
@@ -186,6 +194,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ErrorMoment
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Primitives { Primitive at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Materials { Material at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Media { Medium at; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Grids { Grid at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Lights { Light at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Cameras { Camera at; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer TextureUses { TextureUse at; };

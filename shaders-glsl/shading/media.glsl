@@ -14,6 +14,8 @@ const bool NESTED = (MEDIA & MEDIA_NESTED) != 0u;
 const bool DISPERSION = (MEDIA & MEDIA_DISPERSION) != 0u;
 // Whether some medium scatters light.
 const bool SCATTERING = (MEDIA & MEDIA_SCATTERING) != 0u;
+// Whether some medium has a grid of densities.
+const bool GRIDS = (MEDIA & MEDIA_GRIDS) != 0u;
 // Whether space outside of all solids absorbs or scatters light.
 const bool AMBIENT = (MEDIA & MEDIA_AMBIENT) != 0u;
 

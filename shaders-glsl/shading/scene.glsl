@@ -124,6 +124,16 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Spe
     vec3 cumulative;
 };
 
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer GridBricks { uint at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer GridDensities { float at; };
+
+// GridTables of photon-core.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer GridTables {
+    Grids grids;
+    GridBricks bricks;
+    GridDensities densities;
+};
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
     WideNodes nodes;
     Corners corners;
@@ -143,6 +153,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     LightTreeRef light_tree;
     // 0 in a scene whose media do not disperse light.
     SpectrumCells spectrum;
+    // 0 in a scene of homogeneous media.
+    GridTables grids;
 };
 
 #include "shading/alpha.glsl"

@@ -19,8 +19,9 @@ struct Reservoir {
 float segment_weight(uint index, vec3 throughput, Ray ray, float length) {
     Medium medium = push.scene.media[index].at;
     vec3 extinction = medium_extinction(medium), scattering = medium.scattering;
-    precise vec3 lost = 1.0 - stretch_transmittance(push.scene, index, ray, 0.0, length);
-    precise vec3 few = scattering * length;
+    float column = stretch_column(push.scene, index, ray, 0.0, length);
+    precise vec3 lost = 1.0 - medium_transmittance(medium, column);
+    precise vec3 few = scattering * column;
     precise vec3 many = scattering * lost / extinction;
     // For small depths the limit.
     vec3 share = mix(few, many, greaterThan(lost, vec3(1e-3)));

@@ -90,6 +90,10 @@ bool sample_evenly(uint index, Light light, uvec2 point, out Target target) {
     return true;
 }
 
+// Whether the medium of the segment has a grid of densities, and then its columns.
+bool sees_grid;
+Columns columns;
+
 // Radiance by way of a place on the segment, chosen by `choice`, and a point on a light, over the density of both.
 vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alpha) {
     Light light = push.scene.lights[index].at;
@@ -101,10 +105,18 @@ vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alp
     precise float mean = flight_total(extinction) / 3.0;
     Equiangular angles = equiangular_new(segment.origin, segment.direction, segment.far, target.to);
     // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
-    float far = choice < 0.5 ? min(equiangular_sample(angles, 2.0 * choice), segment.far)
-                             : exponential_sample(mean, segment.far, 2.0 * choice - 1.0);
-    float density =
-        0.5 * (equiangular_density(angles, far) + exponential_density(mean, segment.far, far));
+    float whole = sees_grid ? columns_total() : segment.far;
+    float far = 0.0;
+    if (choice < 0.5) {
+        far = min(equiangular_sample(angles, 2.0 * choice), segment.far);
+    } else {
+        far = exponential_sample(mean, whole, 2.0 * choice - 1.0);
+        if (sees_grid) far = columns_place(columns, far);
+    }
+    float column = sees_grid ? columns_to(columns, far) : far;
+    float local = sees_grid ? columns_density(columns, far) : 1.0;
+    if (local == 0.0) return vec3(0.0);
+    float density = 0.5 * (equiangular_density(angles, far) + local * exponential_density(mean, whole, column));
     precise vec3 from = segment.origin + segment.direction * far;
     if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(target.front, from - target.to) < 0.0) target.front = -target.front;
     if (light.kind == LIGHT_TRIANGLE) target.to = off_surface(target.to, target.front);
@@ -117,10 +129,8 @@ vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alp
     Ray ray = Ray(from, direction, away);
     if (intensity == vec3(0.0) || occluded(push.scene, ray, alpha)) return vec3(0.0);
     float phase = phase_value(phase_of(medium), direction, segment.direction);
-    Ray seen = Ray(segment.origin, segment.direction, far);
-    vec3 passes = stretch_transmittance(push.scene, medium_index, seen, 0.0, far)
-        * transmittance(push.scene, ray, away, segment.media);
-    return intensity * medium.scattering * passes * (phase / (square * density));
+    vec3 passes = medium_transmittance(medium, column) * transmittance(push.scene, ray, away, segment.media);
+    return intensity * medium.scattering * passes * (local * phase / (square * density));
 }
 
 void main() {
@@ -129,9 +139,19 @@ void main() {
     Segment segment = segment_of(push.queries[i].at);
     uint key = push.queries[i].at.path;
     LightSampler light_sampler = lights_along(segment);
+    uint medium = media_current(push.scene, segment.media);
+    sees_grid = has_grid(push.scene, medium);
+    uint end_ray = push.end_ray;
+    if (sees_grid) {
+        GridTables tables = push.scene.grids;
+        Grid grid = tables.grids[medium].at;
+        columns = columns_new(tables, grid, segment.origin, segment.direction, segment.far);
+        // Nothing is scattered there.
+        if (!(columns_total() > 0.0)) end_ray = push.start_ray;
+    }
     vec3 sum = vec3(0.0);
     vec3 low = vec3(0.0);
-    for (uint k = push.start_ray; k < push.end_ray; k++) {
+    for (uint k = push.start_ray; k < end_ray; k++) {
         uvec4 words = philox4x32(uvec4(key, k, push.pass, push.domain), push.seed);
         float share;
         uint index = light_sampler_pick(push.scene, light_sampler, uvec2(words.x, 0u), share);

@@ -21,9 +21,9 @@ uvec4 medium_words(Sampler s, uint domain, uint block) {
 // Largest number below 1.
 const float LAST_PLACE = 0.99999994;
 
-// Leaves the photons of the part of a ray between two distances, in the medium with this index: several where the light may
+// Leaves the photons of the part of a ray between two distances, with a column > 0, in the medium with this index: several where the light may
 // be focused.
-void deposit(inout Path path, uint index, float from, float to) {
+void deposit(inout Path path, uint index, float from, float to, float column) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
     Medium medium = push.scene.media[index].at;
@@ -39,7 +39,8 @@ void deposit(inout Path path, uint index, float from, float to) {
         at = min(at, LAST_PLACE);
         Photon photon;
         vec3 power;
-        photon.position = along(path.ray, from + flight_deposit(medium, path.power, to - from, count, channel, at, power));
+        float within = flight_deposit(medium, path.power, column, count, channel, at, power);
+        photon.position = along(path.ray, stretch_place(push.scene, index, path.ray, from, to, within));
         photon.direction = octahedral_pack(-path.ray.direction);
         photon.power = power;
         photon.normal = index;
@@ -59,20 +60,22 @@ const uint CROSSING_ABSORBED = 2u;
 uint cross_medium(inout Path path, uint media, uint index, float from, float to) {
     Medium medium = push.scene.media[index].at;
     uint event = path.bounce + path.collisions;
+    float column = stretch_column(push.scene, index, path.ray, from, to);
     // Shadow rays find light that comes straight from a light source.
-    if (IN_MEDIA && event > 0u) deposit(path, index, from, to);
+    if (IN_MEDIA && event > 0u && column > 0.0) deposit(path, index, from, to, column);
     if (AIMED) {
-        path.power = photon_times(path.power, stretch_transmittance(push.scene, index, path.ray, from, to));
+        path.power = photon_times(path.power, medium_transmittance(medium, column));
         return CROSSING_PASSES;
     }
     uvec4 words = medium_words(path.numbers, DOMAIN_FLIGHT, 2u * event);
-    Flight flight = flight_sample(medium, path.power, to - from, unit_f32(words.x), unit_f32(words.y));
+    Flight flight = flight_sample(medium, path.power, column, unit_f32(words.x), unit_f32(words.y));
     if (flight.collides && !(unit_f32(words.z) < flight.albedo)) return CROSSING_ABSORBED;
     path.power = flight.power;
     if (!flight.collides) return CROSSING_PASSES;
     uvec4 turn = medium_words(path.numbers, DOMAIN_FLIGHT, 2u * event + 1u);
     vec3 direction = phase_sample(phase_of(medium), path.ray.direction, unit_f32(turn.x), unit_f32(turn.y));
-    path.ray = Ray(along(path.ray, from + flight.distance), direction, NO_LIMIT);
+    float place = stretch_place(push.scene, index, path.ray, from, to, flight.distance);
+    path.ray = Ray(along(path.ray, place), direction, NO_LIMIT);
     path.media = media;
     path.specular_only = false;
     ++path.collisions;

@@ -46,6 +46,7 @@ pub mod lens;
 pub mod many_lights;
 pub mod media;
 pub mod media_equivalence;
+pub mod media_grids;
 pub mod mirrors_and_glass;
 pub mod narrow_estimates;
 pub mod nesting;
@@ -166,6 +167,9 @@ macro_rules! whole_suite {
             media::{
                 p2_airlight, p2_sees_the_direction_of_scattering, p3_shaft, p10_slabs, p12_furnace, p13_body_in_even_light,
                 p14_endless_fog, memory_is_limited_with_a_mirror, paths_are_accounted_for, what_media_do_not_go_with_is_refused,
+            }
+            media_grids::{
+                airlight_in_a_slope, slopes_let_light_through, clouds_in_even_light, even_grids_are_homogeneous,
             }
             nesting::{
                 p20_glass_on_water, camera_in_three_solids, light_in_two_solids, a_fifth_solid_is_counted,

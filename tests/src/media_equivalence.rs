@@ -2,7 +2,9 @@
 
 use photon_core::glam::Vec3;
 use photon_core::phase::{Mie, Phase};
-use photon_core::{Film, Indirect, Layer, Medium, PassEnd, Pipeline, Render as _, SceneView, Settings, Tally, View};
+use photon_core::{
+    Film, GridTables, Indirect, Layer, Medium, PassEnd, Pipeline, Render as _, SceneView, Settings, Tally, View,
+};
 use photon_scene::{Scene, builtin};
 
 use crate::equivalence::share;
@@ -19,9 +21,12 @@ fn media(scene: &Scene, anisotropy: f32) -> Vec<Medium> {
 }
 
 fn picture<T: TestBackend>(scene: &Scene, media: &[Medium], settings: &Settings) -> (Film, Tally) {
+    picture_of::<T>(scene, &SceneView { media, ..scene.view() }, settings)
+}
+
+fn picture_of<T: TestBackend>(scene: &Scene, shown: &SceneView<'_>, settings: &Settings) -> (Film, Tally) {
     let view = View { camera: scene.camera(None, 32, 32).unwrap(), width: 32, height: 32 };
-    let scene = SceneView { media, ..scene.view() };
-    let mut renderer: Pipeline<T::On> = Pipeline::new(T::make(2), &scene, view, settings.clone()).unwrap();
+    let mut renderer: Pipeline<T::On> = Pipeline::new(T::make(2), shown, view, settings.clone()).unwrap();
     let PassEnd::Done(report) = renderer.pass(0, &mut ()).unwrap() else { panic!("the pass ended early") };
     (renderer.film().unwrap(), report.tally)
 }
@@ -70,4 +75,20 @@ pub fn pictures_of_fog_are_alike<A: TestBackend, B: TestBackend>() {
         let shares = alike(&a, &other);
         assert!(shares[Layer::Direct as usize] < 0.9 && shares[Layer::Indirect as usize] < 0.95, "{name}: {shares:?}");
     }
+}
+
+/// A grid of densities likewise; the homogeneous medium in its place is not alike.
+pub fn pictures_of_a_cloud_are_alike<A: TestBackend, B: TestBackend>() {
+    let settings = Settings { photons: 6_000, seed: 4, indirect: Indirect::Map, shadow_rays: 2, ..Settings::default() };
+    let scene = builtin("cloud").unwrap().build().unwrap();
+    let (a, left) = picture_of::<A>(&scene, &scene.view(), &settings);
+    let (b, right) = picture_of::<B>(&scene, &scene.view(), &settings);
+    let shares = alike(&a, &b);
+    eprintln!("{shares:.4?} of the pixels, {left:?} {right:?}");
+    assert!(shares.iter().all(|&share| share >= 0.98), "{shares:?}");
+    assert!(left.balances() && right.balances() && left.emitted == right.emitted);
+    assert!(left.surfaces.abs_diff(right.surfaces) <= left.surfaces / 500 + 3, "{left:?} {right:?}");
+    let homogeneous = SceneView { grids: GridTables::default(), ..scene.view() };
+    let (other, _) = picture_of::<A>(&scene, &homogeneous, &settings);
+    assert!(alike(&a, &other)[Layer::Indirect as usize] < 0.9);
 }

@@ -27,6 +27,6 @@ both! {
     alpha_is_the_same,
 }
 
-both! { media_equivalence: pictures_of_fog_are_alike }
+both! { media_equivalence: pictures_of_fog_are_alike, pictures_of_a_cloud_are_alike }
 
 both! { portals: photons_leave_alike_through_portals }

@@ -58,6 +58,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("MEDIA_SCATTERING", MediaFeatures::SCATTERING.bits()),
                 ("MEDIA_AMBIENT", MediaFeatures::AMBIENT.bits()),
                 ("MEDIA_PHASES", MediaFeatures::PHASES.bits()),
+                ("MEDIA_GRIDS", MediaFeatures::GRIDS.bits()),
             ],
         ),
         ("Medium::dispersion.", vec![("MEDIUM_CAUCHY", Medium::CAUCHY), ("MEDIUM_SELLMEIER", Medium::SELLMEIER)]),

@@ -6,7 +6,8 @@ use crate::shell;
 const BACKENDS: [&str; 2] = ["photonmap-cpu", "photonmap-vulkan"];
 
 /// The dependencies of photonmap-scene's loaders (feature `files`), and of film files.
-const LOADERS: [&str; 9] = ["earcut", "exr", "gltf", "image-webp", "png", "serde", "toml", "zip", "zune-jpeg"];
+const LOADERS: [&str; 10] =
+    ["earcut", "exr", "flate2", "gltf", "image-webp", "png", "serde", "toml", "zip", "zune-jpeg"];
 
 /// Fails if a backend, built by itself, depends on a loader.
 pub(crate) fn step() -> Result<(), String> {

@@ -7,9 +7,9 @@ use photon_core::glam::Vec3;
 use photon_core::random::unit_f32;
 use photon_core::{
     EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, LightGroups, Material, MediaFeatures, Medium,
-    MediumStack, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView, Shaded,
-    SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, interface, memory, offset, radiance_scale,
-    roughest_caustic, shadow_terminator,
+    MediumStack, OwnedGridTables, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView,
+    Shaded, SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, interface, memory, offset,
+    radiance_scale, roughest_caustic, shadow_terminator,
 };
 use photon_scene::AccelError;
 use rayon::prelude::*;
@@ -39,6 +39,7 @@ pub struct CpuScene {
     pub(crate) environment: Option<EnvironmentMap>,
     pub(crate) portals: Vec<Portal>,
     media: Vec<Medium>,
+    pub(crate) grids: OwnedGridTables,
     /// The media in which photons from each light start, on its front and on its back; empty if the scene needs no
     /// media.
     light_media: Vec<[MediumStack; 2]>,
@@ -66,9 +67,14 @@ pub struct CpuScene {
 }
 
 impl CpuScene {
-    /// Labels and bytes of vertex attributes and textures.
+    /// Labels and bytes of vertex attributes, textures and grids.
     pub(crate) fn shading_memory(&self) -> Vec<(String, u64)> {
-        self.shading.as_ref().map(|shading| shading.memory()).unwrap_or_default()
+        let mut memory = self.shading.as_ref().map(|shading| shading.memory()).unwrap_or_default();
+        let bytes = self.grids.bytes();
+        if bytes > 0 {
+            memory.push(("grids of densities".to_owned(), bytes));
+        }
+        memory
     }
 
     pub(crate) fn new(on: &Cpu, view: &SceneView<'_>, required: &Requirements) -> Result<Self> {
@@ -118,6 +124,7 @@ impl CpuScene {
             environment: view.environment.cloned(),
             portals: view.portals.to_vec(),
             media: view.media.to_vec(),
+            grids: view.grids.try_into()?,
             light_media,
             nested,
             disperses: media.contains(MediaFeatures::DISPERSION),

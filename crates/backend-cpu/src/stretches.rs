@@ -1,7 +1,7 @@
 //! Media along rays: all that attenuates light is found here.
 
 use photon_core::glam::Vec3;
-use photon_core::{Features, MediumStack, Ray, flight};
+use photon_core::{Columns, Features, MediumStack, Ray, Segment, flight};
 
 use crate::scene::CpuScene;
 
@@ -24,10 +24,35 @@ impl CpuScene {
         std::iter::once(Stretch { from: 0.0, to: if end == f32::INFINITY { flight::FAR } else { end }, medium })
     }
 
+    /// Integral of the density along a part of a ray: its length, where the medium is homogeneous.
+    #[inline]
+    pub(crate) fn column(&self, ray: &Ray, stretch: &Stretch) -> f32 {
+        match self.grids.view().of(stretch.medium) {
+            None => stretch.to - stretch.from,
+            Some(density) => density.column(ray.origin, ray.direction, [stretch.from, stretch.to]),
+        }
+    }
+
+    /// Distance from the origin of a ray within which a part of it has a column.
+    #[inline]
+    pub(crate) fn place(&self, ray: &Ray, stretch: &Stretch, column: f32) -> f32 {
+        match self.grids.view().of(stretch.medium) {
+            None => stretch.from + column,
+            Some(density) => density.place(ray.origin, ray.direction, [stretch.from, stretch.to], column),
+        }
+    }
+
+    /// The columns along a segment in the medium with this index; `None` if it is homogeneous.
+    #[inline]
+    pub(crate) fn columns(&self, segment: &Segment, medium: u32) -> Option<Columns<'_>> {
+        let density = self.grids.view().of(medium)?;
+        Some(Columns::new(density, segment.origin, segment.direction, segment.length))
+    }
+
     /// Transmittance per channel of a part of a ray.
     #[inline]
-    pub(crate) fn stretch_transmittance(&self, _ray: &Ray, stretch: &Stretch) -> Vec3 {
-        flight::transmittance(self.medium_at(stretch.medium), stretch.to - stretch.from)
+    pub(crate) fn stretch_transmittance(&self, ray: &Ray, stretch: &Stretch) -> Vec3 {
+        flight::transmittance(self.medium_at(stretch.medium), self.column(ray, stretch))
     }
 
     /// Transmittance per channel of a ray that starts in `media` and meets no surface before the distance `end`.

@@ -54,6 +54,7 @@ host_struct! {
         environment: u64,
         light_tree: u64,
         spectrum: u64,
+        grids: u64,
     }
 }
 
@@ -134,6 +135,7 @@ impl VulkanScene {
             } else {
                 0
             },
+            grids: grids::upload(&mut upload, view)?,
         };
         let portals = match view.portals {
             [] => 0,
@@ -243,6 +245,7 @@ impl Upload<'_> {
 }
 
 mod environment;
+mod grids;
 mod kind;
 mod light_tree;
 mod shading;

@@ -119,6 +119,9 @@ pub(crate) static PROBE_GLOSSY: Module =
     Module { name: "probe_glossy", bytes: include_bytes!("../spirv/probe_glossy.spv") };
 
 #[cfg(test)]
+pub(crate) static PROBE_GRID: Module = Module { name: "probe_grid", bytes: include_bytes!("../spirv/probe_grid.spv") };
+
+#[cfg(test)]
 pub(crate) static PROBE_KERNEL: Module =
     Module { name: "probe_kernel", bytes: include_bytes!("../spirv/probe_kernel.spv") };
 
@@ -355,7 +358,7 @@ pub(crate) static KERNELS: [&Module; 61] = [
 
 /// Those of tests and of the example.
 #[cfg(test)]
-pub(crate) static TEST_KERNELS: [&Module; 29] = [
+pub(crate) static TEST_KERNELS: [&Module; 30] = [
     &EXAMPLE_PHOTONS,
     &PROBE_ALPHA,
     &PROBE_AREA,
@@ -364,6 +367,7 @@ pub(crate) static TEST_KERNELS: [&Module; 29] = [
     &PROBE_ENVIRONMENT,
     &PROBE_GLOSS_CAUSTICS,
     &PROBE_GLOSSY,
+    &PROBE_GRID,
     &PROBE_KERNEL,
     &PROBE_LAYOUT,
     &PROBE_LIGHT_SAMPLER,

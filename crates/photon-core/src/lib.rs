@@ -61,6 +61,7 @@ pub use requirements::{Requirements, light_features, material_features};
 pub use scene::camera::Camera;
 pub use scene::caster::{Hit, Ray, RayCaster, SkipLimit};
 pub use scene::environment::{EnvironmentMap, EnvironmentRow};
+pub use scene::grid::{self, Columns, Density, Grid, GridTables, OwnedGridTables};
 pub use scene::layout::{Element, ErrorMoments, Estimate, Photon, PhotonRay, Query};
 pub use scene::light::Light;
 pub use scene::light_groups::LightGroups;

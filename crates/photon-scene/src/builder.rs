@@ -158,6 +158,12 @@ impl SceneBuilder {
         &mut self.materials
     }
 
+    /// A material that was added before, for modification; `None` for one of another builder.
+    #[must_use]
+    pub fn material_mut(&mut self, id: MaterialId) -> Option<&mut MaterialDesc> {
+        self.materials.get_mut(id.0 as usize)
+    }
+
     /// Whether the scene has a camera.
     #[must_use]
     pub fn has_camera(&self) -> bool {
@@ -245,7 +251,8 @@ impl SceneBuilder {
             radiances,
             &mut warnings,
         )?;
-        let (mut materials, media) = lights::materials(&self.materials, self.medium.as_ref(), &geometry, &lit, frame)?;
+        let (mut materials, media, grids) =
+            lights::materials(&self.materials, self.medium.as_ref(), &geometry, &lit, frame)?;
         let portals = portals::table(&self, frame, geometry.radius)?;
         let shading = shading::tables(source, &geometry, &mut materials, &mut warnings);
         let units = Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power };
@@ -286,6 +293,7 @@ impl SceneBuilder {
             material_names: self.materials.into_iter().map(|material| material.name).collect(),
             materials,
             media,
+            grids,
             lights: lit.lights,
             cameras: self.cameras,
             dropped: geometry.dropped,

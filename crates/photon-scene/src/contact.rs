@@ -20,7 +20,7 @@ use std::collections::HashMap;
 
 use photon_core::{offset, parallel};
 
-use crate::describe::{Dispersion, MaterialDesc, PhaseDesc, Surface};
+use crate::describe::{Dispersion, GridDesc, MaterialDesc, PhaseDesc, Surface};
 use crate::mesh::Mesh;
 use crate::normalise::Geometry;
 use pairs::{Contact, Overlap, REACH, corners};
@@ -28,8 +28,8 @@ use planes::Touching;
 use shift::{GAP, Raised};
 use warnings::Findings;
 
-/// Refractive index, absorption, priority, dispersion and scattering of a solid.
-type SolidMedium = (f64, [f64; 3], u32, Option<Dispersion>, [f64; 3], PhaseDesc);
+/// Refractive index, absorption, priority, dispersion, scattering and densities of a solid.
+type SolidMedium = (f64, [f64; 3], u32, Option<Dispersion>, [f64; 3], PhaseDesc, Option<GridDesc>);
 
 /// The scene that is separated.
 #[derive(Clone, Copy)]
@@ -116,7 +116,8 @@ impl Source<'_> {
         let desc = self.material(mesh);
         let of = |surface: &Surface| match *surface {
             Surface::Dielectric { ior, absorption, .. } => {
-                Some((ior, absorption, desc.priority, desc.dispersion, desc.scattering, desc.phase))
+                let (scattering, grid) = (desc.scattering, desc.grid.clone());
+                Some((ior, absorption, desc.priority, desc.dispersion, scattering, desc.phase, grid))
             }
             _ => None,
         };

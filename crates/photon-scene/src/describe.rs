@@ -5,6 +5,7 @@
 
 mod camera;
 mod dispersion;
+mod grid;
 mod light;
 mod medium;
 mod phase;
@@ -12,6 +13,8 @@ mod phase;
 pub use self::camera::{CameraDesc, Projection, ThinLens};
 pub use self::dispersion::Dispersion;
 pub(crate) use self::dispersion::warn as warn_of_clamped_indices;
+pub use self::grid::GridDesc;
+pub(crate) use self::grid::MediaTable;
 pub use self::light::LightDesc;
 pub use self::medium::AmbientMedium;
 pub(crate) use self::medium::{check_density, record as medium_record, warn as warn_of_clamped_anisotropy};
@@ -114,6 +117,9 @@ pub struct MaterialDesc {
     pub scattering: [f64; 3],
     /// Directions of light scattered there.
     pub phase: PhaseDesc,
+    /// Densities that multiply the coefficients of scattering and absorption inside; `None` if they are the same everywhere.
+    /// Only for [`Surface::Dielectric`].
+    pub grid: Option<GridDesc>,
     /// Factor on the alpha of the surface, in `[0, 1]`.
     pub alpha: f64,
     /// What alpha does. Emitted light is covered like the surface. Not for [`Surface::Dielectric`], whose mesh must be
@@ -171,6 +177,7 @@ impl MaterialDesc {
             dispersion: None,
             scattering: [0.0; 3],
             phase: PhaseDesc::default(),
+            grid: None,
             alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             specular_color: [1.0; 3],
@@ -297,6 +304,17 @@ impl MaterialDesc {
     #[must_use]
     pub fn with_scattering(self, scattering: [f64; 3], phase: impl Into<PhaseDesc>) -> Self {
         Self { scattering, phase: phase.into(), ..self }
+    }
+
+    /// The material with this [`Self::grid`].
+    #[must_use]
+    pub fn with_grid(self, grid: GridDesc) -> Self {
+        Self { grid: Some(grid), ..self }
+    }
+
+    /// Factor on the coefficients inside where the density is largest.
+    pub(crate) fn density(&self) -> f64 {
+        self.grid.as_ref().map_or(1.0, GridDesc::factor)
     }
 
     /// The material with this [`Self::priority`].

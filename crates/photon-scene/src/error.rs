@@ -213,6 +213,9 @@ pub enum SceneError {
         /// Number of items.
         count: usize,
     },
+    /// Memory is exhausted.
+    #[error(transparent)]
+    OutOfMemory(#[from] photon_core::memory::OutOfMemory),
     /// The scene has no camera.
     #[error("the scene has no camera; add one to the file or to an override file, or use SceneBuilder::frame_camera")]
     NoCamera,

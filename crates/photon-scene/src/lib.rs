@@ -40,8 +40,8 @@ pub use builder::{MaterialId, SceneBuilder};
 pub use builtin::{FurnaceShape, IntegratingSphere, builtin, builtin_names, furnace, plates};
 pub use bvh::{Accel, AccelError, Binary, BinaryTree, BruteForce, CompressedNode, CompressedTree};
 pub use describe::{
-    AlphaMode, AmbientMedium, CameraDesc, Dispersion, LightDesc, MaterialDesc, PhaseDesc, PhaseKeys, Projection,
-    Surface, ThinLens,
+    AlphaMode, AmbientMedium, CameraDesc, Dispersion, GridDesc, LightDesc, MaterialDesc, PhaseDesc, PhaseKeys,
+    Projection, Surface, ThinLens,
 };
 #[cfg(feature = "files")]
 pub use environment::EnvironmentName;

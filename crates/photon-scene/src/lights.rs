@@ -1,6 +1,8 @@
 //! The tables of lights and materials, with powers relative to the scene's total power.
 
-use crate::describe::{AlphaMode, AmbientMedium, LightDesc, MaterialDesc, Surface, medium_record};
+use crate::describe::{
+    AlphaMode, AmbientMedium, GridDesc, LightDesc, MaterialDesc, MediaTable, Surface, medium_record,
+};
 use crate::environment::Sun;
 use crate::error::SceneError;
 use crate::normalise::{Frame, Geometry};
@@ -9,7 +11,7 @@ use crate::shading::{Radiances, is_smooth_metal, simplest};
 use crate::validate::unit;
 use glam::DVec3;
 use photon_core::sampling::spot_solid_angle;
-use photon_core::{EnvironmentMap, Light, Material, MaterialKind, Medium, MediumStack};
+use photon_core::{EnvironmentMap, Light, Material, MaterialKind, Medium, MediumStack, OwnedGridTables};
 use std::f64::consts::PI;
 
 /// Everything that emits light.
@@ -176,7 +178,7 @@ pub(crate) fn materials(
     geometry: &Geometry,
     lit: &Lit,
     frame: Frame,
-) -> Result<(Vec<Material>, Vec<Medium>), SceneError> {
+) -> Result<(Vec<Material>, Vec<Medium>, OwnedGridTables), SceneError> {
     let mut shines = vec![false; descs.len()];
     for &(primitive, _) in &geometry.emitters {
         shines[geometry.primitives[primitive as usize].1 as usize] = true;
@@ -185,21 +187,22 @@ pub(crate) fn materials(
     for &(_, material) in &geometry.primitives {
         in_use[material as usize] = true;
     }
-    let mut media = vec![ambient.map_or(Medium::VACUUM, |medium| medium.record(frame.scale))];
+    let mut media = MediaTable::new(ambient.map_or(Medium::VACUUM, |medium| medium.record(frame.scale)));
     let mut all_glass = Vec::new();
+    // Simplified and partly transmitting materials have no grids.
     let mut materials: Vec<Material> = descs
         .iter()
         .zip(shines.into_iter().zip(in_use))
         .map(|(desc, (shines, in_use))| {
             let glass = desc.transmitting_surface().filter(|_| in_use);
-            let glass =
-                glass.map(|glass| surface(&MaterialDesc { surface: glass, ..desc.clone() }, true, &mut media, frame));
+            let glass = glass
+                .map(|glass| surface(&MaterialDesc { surface: glass, ..desc.clone() }, None, true, &mut media, frame));
             let surface = match glass {
-                None => surface(desc, in_use, &mut media, frame),
+                None => surface(desc, desc.grid.as_ref(), in_use, &mut media, frame),
                 // It has not been simplified, since its glass needs all of it.
                 Some(_) => {
                     let opaque = MaterialDesc { surface: simplest(desc.surface.clone()), ..desc.clone() };
-                    surface(&opaque, in_use, &mut media, frame)
+                    surface(&opaque, None, in_use, &mut media, frame)
                 }
             };
             // An emissive material that no triangle uses must not count as a light.
@@ -221,14 +224,21 @@ pub(crate) fn materials(
         })
         .collect();
     materials.extend(all_glass);
-    let count = media.len() - 1;
+    let count = media.solids();
     if count > MediumStack::MAX_MEDIA {
         return Err(SceneError::TooMany { what: "different media of solids", count });
     }
-    Ok((materials, media))
+    let (media, grids) = media.build(frame)?;
+    Ok((materials, media, grids))
 }
 
-fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Frame) -> Material {
+fn surface<'a>(
+    desc: &MaterialDesc,
+    grid: Option<&'a GridDesc>,
+    in_use: bool,
+    media: &mut MediaTable<'a>,
+    frame: Frame,
+) -> Material {
     let colour = |colour: [f64; 3]| colour.map(|part| part as f32);
     let of = |kind: MaterialKind| Material { kind: kind as u32, ior: 1.0, ..Material::default() };
     let glossy = |base_color: [f64; 3], metallic: f32, roughness: f32| Material {
@@ -255,10 +265,10 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
             let dispersed = desc.dispersion.map(|dispersion| dispersion.medium(ior));
             let Medium { ior, dispersion, terms, .. } =
                 dispersed.unwrap_or(Medium { ior: ior as f32, ..Medium::VACUUM });
-            let inside = medium_record(absorption, desc.scattering, desc.phase, frame.scale);
+            let inside = medium_record(absorption, desc.scattering, desc.phase, frame.scale * desc.density());
             let medium = Medium { ior, dispersion, terms, priority: desc.priority, ..inside };
             let ior = medium.ior;
-            let medium = index_of(media, medium);
+            let medium = media.index_of(medium, grid);
             let roughness = roughness as f32;
             Material { albedo: colour(tint), ior, medium, roughness, ..of(MaterialKind::Dielectric) }
         }
@@ -281,14 +291,4 @@ fn surface(desc: &MaterialDesc, in_use: bool, media: &mut Vec<Medium>, frame: Fr
             ..of(MaterialKind::Glossy)
         },
     }
-}
-
-/// Index of a medium in the table, after the ambient one; equal media share an entry.
-fn index_of(media: &mut Vec<Medium>, medium: Medium) -> u32 {
-    let found = media.iter().skip(1).position(|known| *known == medium).map(|index| index + 1);
-    let index = found.unwrap_or_else(|| {
-        media.push(medium);
-        media.len() - 1
-    });
-    index as u32
 }

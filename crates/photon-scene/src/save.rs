@@ -41,13 +41,17 @@ use crate::shading;
 ///
 /// # Errors
 /// The errors of [`SceneBuilder::build`], and [`SceneError::Extreme`] for numbers beyond single precision or a file
-/// beyond 4 GiB. [`SceneError::Export`] for what glTF has no place for: an environment, portals, an ambient medium, base colours and emission of
+/// beyond 4 GiB. [`SceneError::Export`] for what glTF has no place for: an environment, portals, an ambient medium, grids, base colours and emission of
 /// linear bytes, normal maps in sRGB, and transforms of textures with shear.
 pub fn glb(scene: &SceneBuilder) -> Result<Vec<u8>, SceneError> {
     refuse_environment(scene)?;
     if scene.medium.is_some_and(|medium| !medium.is_vacuum()) {
         let hint = "write the scene without it, and give it again in an override file when the file is rendered";
         return Err(SceneError::Export { what: "the ambient medium".to_owned(), hint });
+    }
+    if let Some(material) = scene.materials.iter().find(|material| material.grid.is_some()) {
+        let hint = "write the scene without it, and give it again in an override file when the file is rendered";
+        return Err(SceneError::Export { what: format!("the grid of the material '{}'", material.name), hint });
     }
     scene.clone().build()?;
     let mut file = File::default();

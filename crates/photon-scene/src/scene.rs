@@ -4,7 +4,8 @@ use crate::describe::{CameraDesc, ThinLens};
 use crate::error::SceneError;
 use crate::{camera, validate};
 use photon_core::{
-    Camera, EnvironmentMap, Light, Material, Medium, OwnedShadingTables, Portal, Primitive, SceneView, Units,
+    Camera, EnvironmentMap, Light, Material, Medium, OwnedGridTables, OwnedShadingTables, Portal, Primitive, SceneView,
+    Units,
 };
 use std::sync::Arc;
 
@@ -22,6 +23,7 @@ pub struct Scene {
     pub(crate) primitives: Vec<Primitive>,
     pub(crate) materials: Vec<Material>,
     pub(crate) media: Vec<Medium>,
+    pub(crate) grids: OwnedGridTables,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
     pub(crate) environment: Option<EnvironmentMap>,
@@ -51,6 +53,7 @@ impl Scene {
             primitives: &self.primitives,
             materials: &self.materials,
             media: &self.media,
+            grids: self.grids.view(),
             lights: &self.lights,
             light_cdf: &self.light_cdf,
             environment: self.environment.as_ref(),

@@ -96,6 +96,13 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
         let hint = "light is scattered inside solid glass alone: make it glass or a boundary, or leave scattering out";
         return Err(("scattering", format!("{:?}", desc.scattering), hint));
     }
+    if let Some(grid) = &desc.grid {
+        if !matches!(desc.surface, Surface::Dielectric { .. }) {
+            let hint = "densities fill solid glass alone: make it glass or a boundary, or leave the grid out";
+            return Err(("grid", format!("one of {:?} cells", grid.cells), hint));
+        }
+        grid.fault().map_or(Ok(()), Err)?;
+    }
     not_negative("emission", desc.emission)?;
     not_negative("specular_color", desc.specular_color)?;
     fractions("diffuse_transmission_color", desc.diffuse_transmission_color)?;

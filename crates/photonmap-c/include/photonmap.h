@@ -548,6 +548,42 @@ typedef struct PmCamera {
 } PmCamera;
 
 /**
+ * Densities by which the scattering and absorption inside of a dielectric are multiplied: smoke, clouds. They are trilinear
+ * between the centres of cells, and 0 outside of the box that cells fill. The array is copied.
+ */
+typedef struct PmGrid {
+  /**
+   * sizeof(PmGrid).
+   */
+  size_t size;
+  /**
+   * A .vol or .nvdb file of densities, UTF-8, in place of the array; NULL: the array.
+   */
+  const char *file;
+  /**
+   * One density for each cell, x fastest, finite and at least 0.
+   */
+  const float *densities;
+  /**
+   * Number of cells along x, y and z, at least 1.
+   */
+  uint32_t cells[3];
+  /**
+   * Of pm_builder_material().
+   */
+  uint32_t material;
+  /**
+   * Rows of an affine transform from the unit cube, which the cells fill, to user space; all 0: the box of the file, or the
+   * unit cube.
+   */
+  double transform[4][4];
+  /**
+   * Factor on the densities, finite and at least 0; 0: 1.
+   */
+  double density_scale;
+} PmGrid;
+
+/**
  * The medium around all solids, without bounds. Light from infinitely far away does not pass it.
  */
 typedef struct PmMedium {
@@ -928,6 +964,11 @@ PmStatus pm_builder_environment(struct PmBuilder *builder,
                                 const char *light,
                                 double rotate,
                                 double scale);
+
+/**
+ * Gives a dielectric densities, and replaces those of before.
+ */
+PmStatus pm_builder_grid(struct PmBuilder *builder, const struct PmGrid *grid);
 
 /**
  * Sets the medium around all solids, and replaces that of before; without scattering and absorption there is none.

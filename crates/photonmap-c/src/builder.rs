@@ -4,7 +4,7 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use photonmap::scene::{
-    AmbientMedium, CameraDesc, Dispersion, EnvironmentName, LightDesc, LoadOptions, LoadReport, MaterialDesc,
+    AmbientMedium, CameraDesc, Dispersion, EnvironmentName, GridDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc,
     MaterialId, Overrides, PhaseDesc, Projection, SceneBuilder, Surface, ThinLens, VertexAttributes, builtin,
     builtin_names, load_builder_with,
 };
@@ -12,8 +12,8 @@ use photonmap::scene::{
 use crate::describe::{
     PM_DISPERSION_ABBE, PM_DISPERSION_CAUCHY, PM_DISPERSION_NONE, PM_DISPERSION_SELLMEIER, PM_LIGHT_DIRECTIONAL,
     PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY, PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR,
-    PM_MATERIAL_THIN, PM_PHASE_HENYEY_GREENSTEIN, PM_PHASE_MIE, PM_PHASE_RAYLEIGH, PmCamera, PmLight, PmMaterial,
-    PmMedium, PmMesh,
+    PM_MATERIAL_THIN, PM_PHASE_HENYEY_GREENSTEIN, PM_PHASE_MIE, PM_PHASE_RAYLEIGH, PmCamera, PmGrid, PmLight,
+    PmMaterial, PmMedium, PmMesh,
 };
 use crate::error::{Fault, PmStatus, Result, call, free};
 use crate::options::{self, PmLoadOptions};
@@ -265,6 +265,43 @@ pub unsafe extern "C" fn pm_builder_environment(
         let name = name.map_err(|why| Fault::argument(format!("light is {light:?}: {why}")))?;
         let desc = name.desc(&mut builder.report, &LoadOptions::default())?;
         builder.scene.environment_from(&desc.rotated(rotate).scaled(scale))?;
+        Ok(())
+    })
+}
+
+/// Gives a dielectric densities, and replaces those of before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_builder_grid(builder: *mut PmBuilder, grid: *const PmGrid) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle, struct, a path and an array within it, which has the length within it.
+        let (builder, given, file, densities) = unsafe {
+            let given = pointer::read(grid)?;
+            let file = pointer::text_or_null(given.file, "file")?;
+            let [x, y, z] = given.cells.map(|cells| cells as usize);
+            let cells = pointer::product(pointer::product(x, y, "PmGrid")?, z, "PmGrid")?;
+            let count = if file.is_some() { 0 } else { cells };
+            let densities = pointer::array(given.densities, count, "densities")?;
+            (pointer::exclusive(builder, "builder")?, given, file, densities)
+        };
+        let material = builder.materials.get(given.material as usize).copied();
+        let Some(material) = material.and_then(|id| builder.scene.material_mut(id)) else {
+            return Err(Fault::argument(format!(
+                "PmGrid.material is {}, but pm_builder_material() has made {}, numbered from 0",
+                given.material,
+                builder.materials.len()
+            )));
+        };
+        let mut desc = match file {
+            Some(file) => GridDesc::read(Path::new(file), &LoadOptions::default())?,
+            None => GridDesc::new(given.cells, densities),
+        };
+        if given.transform != [[0.0; 4]; 4] {
+            desc = desc.with_transform(given.transform);
+        }
+        if given.density_scale != 0.0 {
+            desc = desc.with_density_scale(given.density_scale);
+        }
+        material.grid = Some(desc);
         Ok(())
     })
 }

@@ -92,6 +92,28 @@ pub struct PmMedium {
     pub phase: u32,
 }
 
+/// Densities by which the scattering and absorption inside of a dielectric are multiplied: smoke, clouds. They are trilinear
+/// between the centres of cells, and 0 outside of the box that cells fill. The array is copied.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct PmGrid {
+    /// sizeof(PmGrid).
+    pub size: usize,
+    /// A .vol or .nvdb file of densities, UTF-8, in place of the array; NULL: the array.
+    pub file: *const c_char,
+    /// One density for each cell, x fastest, finite and at least 0.
+    pub densities: *const f32,
+    /// Number of cells along x, y and z, at least 1.
+    pub cells: [u32; 3],
+    /// Of pm_builder_material().
+    pub material: u32,
+    /// Rows of an affine transform from the unit cube, which the cells fill, to user space; all 0: the box of the file, or the
+    /// unit cube.
+    pub transform: [[f64; 4]; 4],
+    /// Factor on the densities, finite and at least 0; 0: 1.
+    pub density_scale: f64,
+}
+
 /// Triangles of one material. Arrays are copied.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -196,4 +218,4 @@ pub struct PmSceneInfo {
     pub power: f64,
 }
 
-pointer::versioned!(PmMaterial, PmMedium, PmMesh, PmLight, PmCamera, PmSceneInfo);
+pointer::versioned!(PmMaterial, PmMedium, PmGrid, PmMesh, PmLight, PmCamera, PmSceneInfo);

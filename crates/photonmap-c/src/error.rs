@@ -108,7 +108,7 @@ impl From<SceneError> for Fault {
         let status = match error {
             _ if file => PmStatus::File,
             SceneError::PictureSize { .. } => PmStatus::InvalidArgument,
-            SceneError::Memory { .. } => PmStatus::OutOfMemory,
+            SceneError::Memory { .. } | SceneError::OutOfMemory(_) => PmStatus::OutOfMemory,
             _ => PmStatus::InvalidScene,
         };
         Self::new(status, error)

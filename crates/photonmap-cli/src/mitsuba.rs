@@ -229,6 +229,11 @@ fn shape(
         let ior = inside.ior;
         warnings.push(format!("material '{name}' does not disperse light in Mitsuba: its refractive index is {ior}"));
     }
+    if scene.view().grids.of(medium).is_some() {
+        warnings.push(format!(
+            "material '{name}' is homogeneous in Mitsuba, of its largest density: give it the grid as a gridvolume"
+        ));
+    }
     if medium > 0 {
         text += &medium::sides(scene, &inside);
     }

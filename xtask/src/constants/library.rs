@@ -2,8 +2,9 @@
 
 use photon_core::{
     AlbedoTable, Coat, ConfidenceInterval, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, PixelRadii,
-    RoughGlassTable, SheenTable, Spectrum, anisotropy, area, clearcoat, cosine_warp, flight, ggx, glossy, kd_tree,
-    light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen, solid_angle,
+    RoughGlassTable, SheenTable, Spectrum, anisotropy, area, clearcoat, cosine_warp, flight, ggx, glossy, grid,
+    kd_tree, light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen,
+    solid_angle,
 };
 use photon_scene::CompressedTree;
 
@@ -84,6 +85,16 @@ pub(super) fn groups() -> Vec<Group> {
                 ("FLIGHT_FAR", flight::FAR.into()),
                 ("FLIGHT_MAX_COLLISIONS", flight::MAX_COLLISIONS.into()),
                 ("FLIGHT_FOCUSED_DEPOSITS", flight::FOCUSED_DEPOSITS.into()),
+            ],
+        ),
+        (
+            "grid.",
+            vec![
+                ("GRID_BRICK", grid::BRICK.into()),
+                ("GRID_NODES", grid::NODES.into()),
+                ("GRID_STORED", grid::STORED.into()),
+                ("GRID_ROOT_STEPS", grid::ROOT_STEPS.into()),
+                ("GRID_KNOTS", (grid::KNOTS as u32).into()),
             ],
         ),
         (

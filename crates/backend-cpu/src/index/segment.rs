@@ -28,7 +28,7 @@ impl PointIndex {
     /// order that depends only on the arguments; as in a test of every point, in double precision.
     /// Coordinates and radius are at most 2⁶² in magnitude.
     pub fn near_segment(&self, ends: [[f32; 3]; 2], radius: f32, mut visit: impl FnMut(u32, f64)) {
-        let [a, b] = ends.map(|end| double(end));
+        let [a, b] = ends.map(double);
         let length = (b - a).length();
         let direction = if length > 0.0 { (b - a) / length } else { DVec3::X };
         // Rounding of the direction, of feet and of distances, each a few units in the last place of the length.

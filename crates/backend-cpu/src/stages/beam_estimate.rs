@@ -55,6 +55,16 @@ struct Photons<'a> {
 impl Photons<'_> {
     /// Light that they scatter along a segment.
     fn along(&self, scene: &CpuScene, query: &Query, params: &BeamParams) -> Estimate {
+        let segment = Segment::of(query);
+        let (medium, _) = scene.medium(segment.media);
+        match scene.columns(&segment, medium) {
+            None => self.sum(scene, query, params, |distance| distance.max(0.0)),
+            Some(columns) => self.sum(scene, query, params, |distance| columns.to(distance)),
+        }
+    }
+
+    /// The estimate, by the column to each distance along the segment.
+    fn sum(&self, scene: &CpuScene, query: &Query, params: &BeamParams, column: impl Fn(f32) -> f32) -> Estimate {
         let Self { map, powers } = *self;
         let segment = Segment::of(query);
         let (index, medium) = scene.medium(segment.media);
@@ -72,7 +82,7 @@ impl Photons<'_> {
             let weight =
                 params.kernel.weight((d2 / squared).min(1.0)) * phase.value(map.direction(slot), segment.direction);
             let power = powers[slot as usize] * weight;
-            let depth = extinction * t.max(0.0);
+            let depth = extinction * column(t);
             for c in 0..3 {
                 sum[c] += f64::from(power[c] * math::exp_neg(depth[c]));
             }

@@ -2,7 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::random::{BLOCK_SEGMENTS, Domain, Sampler, unit_f32};
-use photon_core::{MediumStack, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Segment};
+use photon_core::{MediumStack, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Segment, flight};
 
 use super::eye::{Eye, Path};
 use crate::stretches::Stretch;
@@ -70,10 +70,11 @@ fn weight(eye: &Eye<'_>, query: &Query) -> f32 {
     let (index, medium) = eye.scene.medium(segment.media);
     let (extinction, scattering) = (medium.extinction(), Vec3::from(medium.scattering));
     let (ray, whole) = along(&segment, index);
-    let lost = Vec3::ONE - eye.scene.stretch_transmittance(&ray, &whole);
+    let column = eye.scene.column(&ray, &whole);
+    let lost = Vec3::ONE - flight::transmittance(medium, column);
     // For small depths the limit.
     let share = |c: usize| {
-        if lost[c] > 1e-3 { scattering[c] * lost[c] / extinction[c] } else { scattering[c] * segment.length }
+        if lost[c] > 1e-3 { scattering[c] * lost[c] / extinction[c] } else { scattering[c] * column }
     };
     (0..3).map(|c| segment.throughput[c] * share(c)).sum()
 }

@@ -1,17 +1,19 @@
 //! Light of light sources that is scattered once along segments, found by shadow rays.
 
 use photon_core::equiangular::{Equiangular, exponential, exponential_density};
+use photon_core::flight;
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::LightSampler;
 use photon_core::phase::Phase;
 use photon_core::random::{BLOCK_SEGMENTS, Domain, Sampler, unit_f32};
-use photon_core::{DirectLight, Features, Layer, Light, Pass, Query, RandomKind, Ray, Result, Segment, offset};
+use photon_core::{
+    Columns, DirectLight, Features, Layer, Light, Pass, Query, RandomKind, Ray, Result, Segment, offset,
+};
 
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
 use crate::stages::light_sample::{Target, intensity};
-use crate::stretches::Stretch;
 
 /// Traces shadow rays from places on segments to points on the lights.
 #[derive(Debug)]
@@ -47,6 +49,11 @@ fn scattered(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3]
     let mut sampler =
         Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Segment, query.path).of_sample(pass.sample);
     let lights = LightSampler::new(scene.lights.len(), |index| weight(scene, &scene.lights[index], &segment));
+    let (medium, _) = scene.medium(segment.media);
+    let columns = scene.columns(&segment, medium);
+    if columns.as_ref().is_some_and(|columns| !(columns.total() > 0.0)) {
+        return [0.0; 3];
+    }
     let mut sum = [0.0; 3];
     for number in 0..rays {
         let [choice, u, v, place] = sampler.words(number);
@@ -54,7 +61,8 @@ fn scattered(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3]
         // Each ray has its own part of the segment.
         let place = (number as f32 + unit_f32(place)) / rays as f32;
         let alpha = || sampler.words(BLOCK_SEGMENTS + number)[1];
-        let found = from_light(scene, &segment, &scene.lights[index], &Choice { point: [u, v], place }, alpha);
+        let choice = Choice { point: [u, v], place };
+        let found = from_light(scene, (&segment, columns.as_ref()), &scene.lights[index], &choice, alpha);
         for c in 0..3 {
             sum[c] += f64::from(found[c]) / share;
         }
@@ -89,24 +97,30 @@ struct Choice {
 /// Radiance by way of a place on the segment and a point on `light`, over the density of both.
 fn from_light(
     scene: &CpuScene,
-    segment: &Segment,
+    (segment, columns): (&Segment, Option<&Columns<'_>>),
     light: &Light,
     choice: &Choice,
     alpha: impl FnOnce() -> u32,
 ) -> Vec3 {
     let Some(mut target) = Target::evenly(scene, light, choice.point) else { return Vec3::ZERO };
     let place = choice.place;
-    let (index, medium) = scene.medium(segment.media);
+    let (_, medium) = scene.medium(segment.media);
     let extinction = medium.extinction();
     let mean = extinction.element_sum() / 3.0;
     let angles = Equiangular::new(segment.origin, segment.direction, segment.length, target.to);
+    let whole = columns.map_or(segment.length, Columns::total);
     // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
     let distance = if place < 0.5 {
         angles.sample(2.0 * place).min(segment.length)
     } else {
-        exponential(mean, segment.length, 2.0 * place - 1.0)
+        let column = exponential(mean, whole, 2.0 * place - 1.0);
+        columns.map_or(column, |columns| columns.place(column))
     };
-    let density = 0.5 * (angles.density(distance) + exponential_density(mean, segment.length, distance));
+    let (column, local) = columns.map_or((distance, 1.0), |columns| (columns.to(distance), columns.density(distance)));
+    if local == 0.0 {
+        return Vec3::ZERO;
+    }
+    let density = 0.5 * (angles.density(distance) + local * exponential_density(mean, whole, column));
     let from = segment.origin + segment.direction * distance;
     if light.flags & Light::BOTH_SIDES != 0 && target.front.dot(from - target.to) < 0.0 {
         target.front = -target.front;
@@ -134,8 +148,6 @@ fn from_light(
         return Vec3::ZERO;
     }
     let phase = Phase::of(medium).value(ray.direction, segment.direction);
-    let seen = Ray { origin: segment.origin, direction: segment.direction, t_max: distance };
-    let part = Stretch { from: 0.0, to: distance, medium: index };
-    let passes = scene.stretch_transmittance(&seen, &part) * scene.transmittance(&ray, far, segment.media);
-    intensity * Vec3::from(medium.scattering) * passes * (phase / (squared * density))
+    let passes = flight::transmittance(medium, column) * scene.transmittance(&ray, far, segment.media);
+    intensity * Vec3::from(medium.scattering) * passes * (local * phase / (squared * density))
 }

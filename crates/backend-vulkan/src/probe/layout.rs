@@ -5,7 +5,7 @@ use std::mem::offset_of;
 use bytemuck::Pod;
 use photon_core::light_tree::LightNode;
 use photon_core::{
-    Anisotropy, Camera, ClearcoatNormal, DiffuseTransmission, Element, ErrorMoments, Estimate, Light, Material,
+    Anisotropy, Camera, ClearcoatNormal, DiffuseTransmission, Element, ErrorMoments, Estimate, Grid, Light, Material,
     MaterialTextures, Medium, PartialTransmission, Photon, PhotonRay, Portal, Primitive, ProjectionTarget, Query,
     SheenLayer, TextureUse,
 };
@@ -107,6 +107,7 @@ fn records() -> Vec<Record> {
         record!(Primitive: normal material),
         record!(Material: albedo kind emission flags medium ior textures metallic roughness specular alpha alpha_cutoff),
         record!(Medium: absorption ior priority dispersion terms scattering anisotropy phase draine),
+        record!(Grid: x y z cells first),
         record!(Light: position kind direction primitive power versine_inner versine_outer radius area flags),
         record!(Camera: origin kind forward media right lens_radius up focus_distance),
         record!(TextureUse: transform texture_index uv_set),

@@ -17,6 +17,9 @@ use crate::{Vulkan, shaders};
 
 specialized!(media_constants: MediaConstants => PROBE_MEDIA, 2 function: u32, 3 media: MediaFeatures; default shared_groups);
 
+/// All features of media without grids of densities.
+const HOMOGENEOUS: MediaFeatures = MediaFeatures::ALL.difference(MediaFeatures::GRIDS);
+
 /// Coefficients of Sellmeier's formula.
 const BK7: [f32; 6] = [1.039_612, 0.231_792_34, 1.010_469_4, 0.006_000_698_7, 0.020_017_914, 103.560_65];
 
@@ -67,7 +70,7 @@ pub(super) fn rows() -> Vec<Row> {
 
 /// Media that a kernel is compiled for: the last row is for separate ones.
 fn features(row: &Row) -> MediaFeatures {
-    if row.name.ends_with("separate") { MediaFeatures::NONE } else { MediaFeatures::ALL }
+    if row.name.ends_with("separate") { MediaFeatures::NONE } else { HOMOGENEOUS }
 }
 
 /// Two stacks of up to four media, a medium, a distance, and a material.
@@ -136,7 +139,7 @@ fn media_are_entered_and_left_as_in_rust() {
         row.twin = match (row.function, features(&row)) {
             (0, _) => |i| words([stack(i).enter(i.0[2]).bits(), stack(i).bits()]),
             (1, _) => |i| words([i.0[0] & 0xFF]),
-            (2, MediaFeatures::ALL) => |i| sides(i, false),
+            (2, HOMOGENEOUS) => |i| sides(i, false),
             (2, _) => |i| sides(i, true),
             (3, _) => |i| output([boundary(i, false).eta]),
             (4, _) => |i| output([radiance_scale(&MEDIA, MediumStack::from_bits(i.0[1]), stack(i), wavelength(i))]),

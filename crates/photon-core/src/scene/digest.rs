@@ -39,6 +39,7 @@ impl SceneView<'_> {
             primitives,
             materials,
             media,
+            grids,
             lights,
             light_cdf,
             environment,
@@ -76,6 +77,11 @@ impl SceneView<'_> {
         digest.table(material_textures);
         digest.table(anisotropies);
         // Scenes without these keep the digest that they had before.
+        if !grids.grids.is_empty() {
+            digest.table(grids.grids);
+            digest.table(grids.bricks);
+            digest.table(grids.densities);
+        }
         if !diffuse_transmissions.is_empty() {
             digest.table(diffuse_transmissions);
         }

@@ -7,6 +7,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::scene::camera::Camera;
+use crate::scene::grid::Grid;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
@@ -179,6 +180,7 @@ elements!(
     Primitive = 16,
     Material = 64,
     Medium = 80,
+    Grid = 64,
     Light = 64,
     Camera = 64,
     TextureUse = 32,

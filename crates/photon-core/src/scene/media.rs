@@ -124,6 +124,8 @@ bitflags! {
         const AMBIENT = 8;
         /// Some medium scatters light by another phase function than Henyey and Greenstein's.
         const PHASES = 16;
+        /// Some medium has a grid of densities: [`crate::GridTables`].
+        const GRIDS = 32;
     }
 }
 
@@ -136,7 +138,7 @@ impl MediaFeatures {
 
 impl fmt::Display for MediaFeatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = ["nested", "dispersion", "scattering", "ambient", "phases"];
+        let names = ["nested", "dispersion", "scattering", "ambient", "phases", "grids"];
         let present = names.into_iter().zip(Self::ALL).filter(|&(_, flag)| self.contains(flag));
         let listed: Vec<&str> = present.map(|(name, _)| name).collect();
         f.write_str(if listed.is_empty() { "none" } else { "" })?;

@@ -4,6 +4,7 @@ pub(crate) mod camera;
 pub(crate) mod caster;
 mod digest;
 pub(crate) mod environment;
+pub mod grid;
 pub(crate) mod guide;
 pub(crate) mod layout;
 pub(crate) mod light;
@@ -19,6 +20,7 @@ pub(crate) mod texture;
 pub(crate) mod units;
 
 use crate::scene::environment::EnvironmentMap;
+use crate::scene::grid::GridTables;
 use crate::scene::light::Light;
 use crate::scene::material::{Material, Primitive};
 use crate::scene::medium::Medium;
@@ -45,6 +47,8 @@ pub struct SceneView<'a> {
     pub materials: &'a [Material],
     /// Indexed by [`Material::medium`]; the first is [`Medium::VACUUM`], and at most 255 others follow.
     pub media: &'a [Medium],
+    /// Densities of media that differ from place to place.
+    pub grids: GridTables<'a>,
     /// All lights that emit photons: first those of kind [`Light::TRIANGLE`] by increasing [`Light::primitive`], at most
     /// one per triangle, then all others.
     pub lights: &'a [Light],
@@ -74,6 +78,7 @@ impl Default for SceneView<'_> {
             primitives: &[],
             materials: &[],
             media: &[Medium::VACUUM],
+            grids: GridTables::default(),
             lights: &[],
             light_cdf: &[],
             environment: None,

@@ -3,6 +3,7 @@
 use super::SceneView;
 use crate::error::{Error, Result};
 use crate::parallel;
+use crate::scene::grid::{Grid, GridTables};
 use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediumStack;
@@ -41,6 +42,11 @@ impl SceneView<'_> {
             index("material", primitive.material, self.materials.len())
         })?;
         each("medium", self.media, check_medium)?;
+        each("grid", self.grids.grids, |grid| check_grid(grid, &self.grids))?;
+        each("density", self.grids.densities, |density| {
+            require((0.0..=1.0).contains(density), || format!("it is {density}; it must be from 0 to 1"))
+        })?;
+        each("brick", self.grids.bricks, |&brick| check_brick(brick, self.grids.densities.len()))?;
         each("material", self.materials, |material| check_material(material, self.media))?;
         each("light", self.lights, |light| check_light(light, self.triangles.len(), self.radius))?;
         each("portal", self.portals, |portal| check_portal(portal, self.radius))?;
@@ -89,6 +95,11 @@ fn whole(view: &SceneView<'_>) -> Result<()> {
         let hint =
             "it must begin with the space around solids, of index 1 and priority 0, followed by at most 255 others";
         return invalid("media", value, hint);
+    }
+    let grids = view.grids.grids.len();
+    if grids != 0 && grids != media {
+        let value = format!("{grids} for {media} media");
+        return invalid("the number of grids", value, "every medium needs one, or none has any");
     }
     if !(0.0..=MAX_RADIUS).contains(&view.radius) {
         let hint = "it must be a number from 0 to 16: scale the scene to a unit box centred at the origin";
@@ -179,6 +190,26 @@ fn check_medium(medium: &Medium) -> Check {
     let mut indices = (0..Spectrum::CELLS).map(|cell| medium.index(Wavelength::of_cell(cell)));
     require(medium.terms.iter().all(|term| term.is_finite()) && indices.all(f32::is_normal), || {
         format!("its terms {:?} must be finite, and so must be the refractive index of all visible light", medium.terms)
+    })
+}
+
+fn check_grid(grid: &Grid, tables: &GridTables<'_>) -> Check {
+    if *grid == Grid::default() {
+        return Ok(());
+    }
+    let rows = [grid.x, grid.y, grid.z];
+    require(rows.iter().flatten().all(|part| part.is_finite()), || format!("its rows {rows:?} are not finite"))?;
+    let bricks = grid.cells.iter().try_fold(1_u64, |product, &cells| product.checked_mul(u64::from(cells / 8) + 1));
+    let fits = bricks.is_some_and(|bricks| u64::from(grid.first) + bricks <= tables.bricks.len() as u64);
+    let has_cells = grid.cells.iter().all(|&cells| (1..1 << 24).contains(&cells));
+    require(fits && has_cells, || {
+        format!("its {:?} cells from brick {} are not in the table of {}", grid.cells, grid.first, tables.bricks.len())
+    })
+}
+
+fn check_brick(brick: u32, densities: usize) -> Check {
+    require(GridTables::is_brick(brick, densities), || {
+        format!("its word {brick:#x} is neither a density from 0 to 1 nor in the table of {densities} densities")
     })
 }
 

@@ -2,6 +2,7 @@
 //!
 //! All are in metres and watts, with y upwards, and have one camera, set up for a square picture.
 
+mod cloud;
 mod cornell;
 mod fog;
 mod frosted;
@@ -39,6 +40,7 @@ const NAMES: &[(&str, &str)] = &[
     ("fog", "shafts of light through a window into a room full of mist"),
     ("glass-fog", "a glass ball in fog, with its caustic in the air"),
     ("milk", "a glass of milk, which scatters light behind the glass"),
+    ("cloud", "a cloud over a meadow, in the sun"),
     ("textures", "a room with tiles, a normal map, a textured light, and smooth balls of few triangles"),
     ("gloss", "metal and plastic balls of several roughnesses, on glazed tiles"),
     ("frosted-glass", "the Cornell box with two balls of rough glass, and a frosted pane before a spotlight"),
@@ -76,6 +78,7 @@ pub fn builtin(name: &str) -> Option<SceneBuilder> {
         "fog" => fog::fog(),
         "glass-fog" => fog::glass_fog(),
         "milk" => milk::milk(),
+        "cloud" => cloud::cloud(),
         "textures" => textures::textures(),
         "gloss" => gloss::gloss(),
         "frosted-glass" => frosted::frosted_glass(),

@@ -140,8 +140,8 @@ impl Patch<'_> {
             (!material.is_emissive(), !matches!(material.surface, crate::Surface::Thin { .. }))
         };
         let text = |patch: &Self| {
-            let MaterialDesc { surface, emission, dispersion, scattering, .. } = patch.material;
-            format!("{:?}", (surface, emission, dispersion, scattering))
+            let MaterialDesc { surface, emission, dispersion, scattering, grid, .. } = patch.material;
+            format!("{:?}", (surface, emission, dispersion, scattering, grid))
         };
         let by_corner = || {
             let pairs = self.corner.iter().zip(&other.corner);

@@ -66,7 +66,7 @@ pub(crate) fn check_density(
     }
     for desc in materials {
         let Surface::Dielectric { absorption, .. } = desc.surface else { continue };
-        let medium = record(absorption, desc.scattering, desc.phase, scale);
+        let medium = record(absorption, desc.scattering, desc.phase, scale * desc.density());
         if medium.is_too_dense() {
             let value = format!(
                 "{:?}, where light goes less than a 65536th of the scene's extent and the solid looks like a diffuse surface \

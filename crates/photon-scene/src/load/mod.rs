@@ -2,11 +2,13 @@
 
 pub(crate) mod budget;
 mod gltf;
+mod grid;
 mod group;
 mod image;
 mod light_units;
 mod missing_normals;
 mod mtl;
+mod nvdb;
 mod obj;
 mod overrides;
 mod ply;
@@ -14,6 +16,7 @@ mod polygon;
 mod schema;
 mod starter;
 mod text;
+mod vol;
 mod white;
 
 use self::budget::Budget;

@@ -102,7 +102,7 @@ impl Overrides {
             units.convert(scene, report);
         }
         for (name, material) in &self.file.materials {
-            self.material(name, material, scene)?;
+            self.material(name, material, scene, budget)?;
             if material.kind.is_some() || material.albedo.is_some() {
                 let subject = format!("material '{name}'");
                 let subject = shown(&subject);
@@ -136,7 +136,13 @@ impl Overrides {
         SceneError::Content { path: self.path.clone(), line: None, what, hint: hint.into() }
     }
 
-    fn material(&self, name: &str, with: &Material, scene: &mut SceneBuilder) -> Result<(), SceneError> {
+    fn material(
+        &self,
+        name: &str,
+        with: &Material,
+        scene: &mut SceneBuilder,
+        budget: &Budget,
+    ) -> Result<(), SceneError> {
         let known = scene.materials.iter().any(|material| material.name == name);
         if with.new {
             if known {
@@ -148,7 +154,7 @@ impl Overrides {
             return Err(self.unknown(&format!("there is no material '{name}'"), scene));
         }
         for material in scene.materials.iter_mut().filter(|material| material.name == name) {
-            self.change(material, with)?;
+            self.change(material, with, budget)?;
         }
         Ok(())
     }
@@ -171,8 +177,7 @@ impl Overrides {
         Ok(given.first().copied())
     }
 
-    fn change(&self, desc: &mut MaterialDesc, with: &Material) -> Result<(), SceneError> {
-        self.check_media_keys(&desc.name, with)?;
+    fn change(&self, desc: &mut MaterialDesc, with: &Material, budget: &Budget) -> Result<(), SceneError> {
         let before = kind_of(&desc.surface, with.kind);
         let kind = with.kind.unwrap_or(before);
         if kind != before {
@@ -277,7 +282,7 @@ impl Overrides {
         }
         if kind != before {
             desc.transmission_absorption = None;
-            (desc.scattering, desc.phase) = ([0.0; 3], PhaseDesc::default());
+            (desc.scattering, desc.phase, desc.grid) = ([0.0; 3], PhaseDesc::default(), None);
         }
         let mut new_scattering = with.scattering;
         let (mut new_phase, mut new_droplets) = (with.phase.as_deref(), with.droplet_micrometres);
@@ -317,6 +322,7 @@ impl Overrides {
                 };
                 desc.phase = self.phase(&format!("material '{}'", desc.name), desc.phase, keys)?;
                 desc.priority = new_priority.take().unwrap_or(desc.priority);
+                desc.grid = self.grid(&desc.name, desc.grid.as_ref(), with, budget)?;
             }
             Surface::Thin { ior, tint, roughness } => {
                 *roughness = new_roughness.take().unwrap_or(*roughness);
@@ -346,6 +352,7 @@ impl Overrides {
         {
             *desc = desc.clone().with_dispersion(dispersion);
         }
+        let has_medium = matches!(kind, Kind::Glass | Kind::Boundary);
         let left = [
             ("albedo", new_albedo.is_some()),
             ("ior", new_ior.is_some()),
@@ -355,6 +362,9 @@ impl Overrides {
             ("scattering", new_scattering.is_some()),
             ("phase", new_phase.is_some()),
             ("droplet_micrometres", new_droplets.is_some()),
+            ("grid", !has_medium && with.grid.is_some()),
+            ("transform", !has_medium && with.transform.is_some()),
+            ("density_scale", !has_medium && with.density_scale.is_some()),
             ("priority", new_priority.is_some()),
             ("metallic", new_metallic.is_some()),
             ("roughness", new_roughness.is_some()),
@@ -375,11 +385,13 @@ impl Overrides {
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
-            let hint = "lambert, mirror have albedo, glass has ior, cauchy, abbe, sellmeier, tint, roughness, \
-                        absorption, scattering, phase, anisotropy, priority, boundary last 5, thin ior, tint, roughness, \
+            let hint = "glass has ior, cauchy, abbe, sellmeier, tint, roughness, \
+                        absorption, scattering, phase, anisotropy, priority, grid, boundary last 6, \
+                        thin ior, tint, roughness, \
                         glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy, \
                         anisotropy_degrees, transmission, and with that absorption, priority and the dispersion of glass, \
-                        all but boundary, glass and thin have clearcoat, clearcoat_roughness, sheen and sheen_roughness, \
+                        lambert and mirror have albedo, all but boundary, glass and thin have clearcoat, \
+                        clearcoat_roughness, sheen and sheen_roughness, \
                         lambert and glossy diffuse_transmission and diffuse_transmission_color; \
                         give another kind, or leave it out";
             return Err(self.fault(what, hint));

@@ -468,9 +468,11 @@ fn media_are_overridden() {
         names(&fault(&text), &["'wall'", kind, "no phase", "glass has"]);
     }
     names(&fault("[medium]\nbox = [[0, 0, 0], [1, 1, 1]]\n"), &["box", "not supported yet", "boundary"]);
-    for (key, value) in [("grid", "\"a.vol\""), ("density_scale", "1")] {
-        names(&glass(&format!("{key} = {value}")), &["'wall'", key, "not supported yet"]);
-    }
+    names(&glass("density_scale = 1"), &["'wall'", "density_scale", "no grid", ".vol"]);
+    names(&glass("grid = \"../a.vol\""), &["'wall'", "../a.vol", "outside the folder"]);
+    names(&glass("grid = \"a.vdb\""), &["a.vdb", "unknown format", ".nvdb"]);
+    names(&glass("grid = \"absent.vol\""), &["absent.vol", "cannot read"]);
+    names(&fault("[materials.wall]\ngrid = \"a.vol\"\n"), &["'wall'", "lambert", "no grid"]);
     names(&fault("[medium]\nscatering = 1\n"), &["line 2", "scatering", "`scattering`"]);
     // Too dense to trace: the albedo of an equivalent surface is in the message.
     names(&glass("scattering = 1e7\nabsorption = 1e5"), &["'wall'", "scattering", "lambert", "[0.79"]);

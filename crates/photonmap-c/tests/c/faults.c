@@ -113,6 +113,18 @@ static void media(PmMaterial material)
     fog.size = 1;
     BAD(pm_builder_medium(builder, &fog), "sizeof(PmMedium)");
     fog = (PmMedium){sizeof fog, {0, 0, 0}, {0, 0, 0}, 0, 0, 0};
+    float densities[2] = {0, 1};
+    PmGrid grid = {sizeof grid, NULL, densities, {2, 1, 1}, 0, {{0}}, 0};
+    BAD(pm_builder_grid(builder, &grid), "PmGrid.material is 0");
+    PmMaterial smoke = material;
+    smoke.kind = PM_MATERIAL_DIELECTRIC;
+    OK(pm_builder_material(builder, &smoke, &grid.material));
+    BAD(pm_builder_grid(NULL, &grid), "builder is NULL");
+    OK(pm_builder_grid(builder, &grid));
+    grid.densities = NULL;
+    BAD(pm_builder_grid(builder, &grid), "densities is NULL");
+    grid.file = "absent.vol";
+    EXPECT(pm_builder_grid(builder, &grid), PM_STATUS_FILE, "absent.vol");
     OK(pm_builder_medium(builder, &fog));
     /* Kinds that have no inside ignore it. */
     material.scattering[0] = -1;

@@ -20,6 +20,7 @@ fn scenes_are_listed() {
             "fog",
             "glass-fog",
             "milk",
+            "cloud",
             "textures",
             "gloss",
             "frosted-glass",

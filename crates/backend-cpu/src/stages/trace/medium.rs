@@ -87,20 +87,20 @@ impl MediumWalk {
     ) -> Crossing {
         let Flown { ray, bounce, specular_only, .. } = *flown;
         let event = bounce + self.collisions;
+        let (medium, column) = (walk.scene.medium_at(stretch.medium), walk.scene.column(&ray, stretch));
         // Shadow rays find light that comes straight from a light source.
         if let Some(photons) = photons.filter(|_| event > 0) {
             let kind = MapKind::of_path(specular_only, bounce);
-            if walk.wanted[kind] {
-                self.deposit(walk, (flown, stretch), *power, &mut photons[kind]);
+            if walk.wanted[kind] && column > 0.0 {
+                self.deposit(walk, (flown, stretch), column, *power, &mut photons[kind]);
             }
         }
         if self.is_aimed {
-            *power *= walk.scene.stretch_transmittance(&ray, stretch);
+            *power *= flight::transmittance(medium, column);
             return Crossing::Passes;
         }
-        let medium = walk.scene.medium_at(stretch.medium);
         let [channel, length, roulette, _] = self.flights.words(2 * event);
-        let found = match flight::sample(medium, *power, stretch.to - stretch.from, [channel, length].map(unit_f32)) {
+        let found = match flight::sample(medium, *power, column, [channel, length].map(unit_f32)) {
             Flight::Passes(left) => {
                 *power = left;
                 return Crossing::Passes;
@@ -114,15 +114,16 @@ impl MediumWalk {
         let [u, v, ..] = self.flights.words(2 * event + 1);
         let direction = Phase::of(medium).sample(ray.direction, [u, v].map(unit_f32));
         self.collisions += 1;
-        let origin = ray.origin + ray.direction * (stretch.from + found.distance);
+        let origin = ray.origin + ray.direction * walk.scene.place(&ray, stretch, found.distance);
         Crossing::Collides(Ray { origin, direction, t_max: f32::INFINITY })
     }
 
-    /// Leaves the photons of a stretch: several where the light may be focused.
+    /// Leaves the photons of a stretch with a column > 0: several where the light may be focused.
     fn deposit(
         &mut self,
         walk: &Walk<'_>,
         (flown, stretch): (&Flown, &Stretch),
+        column: f32,
         power: Vec3,
         photons: &mut PhotonList,
     ) {
@@ -134,9 +135,9 @@ impl MediumWalk {
         for number in 0..count {
             // Rounding may give 1, which is infinitely far in a dense medium.
             let place = ((number as f32 + place) / count as f32).min(LAST_PLACE);
-            let (distance, left) = flight::deposit(medium, power, stretch.to - stretch.from, count, [channel, place]);
+            let (within, left) = flight::deposit(medium, power, column, count, [channel, place]);
             photons.push(Photon {
-                position: (ray.origin + ray.direction * (stretch.from + distance)).into(),
+                position: (ray.origin + ray.direction * walk.scene.place(&ray, stretch, within)).into(),
                 normal: stretch.medium,
                 power: left.into(),
                 direction: octahedral::pack(-ray.direction),

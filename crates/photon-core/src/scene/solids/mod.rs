@@ -53,8 +53,8 @@ impl<'a> Solids<'a> {
 
     /// What kernels have to support for these solids: [`MediaFeatures::NESTED`] if the bounding boxes of
     /// two of them overlap; [`MediaFeatures::DISPERSION`], with which it comes, if the refractive index of one depends on the
-    /// wavelength; [`MediaFeatures::SCATTERING`], [`MediaFeatures::AMBIENT`] and [`MediaFeatures::PHASES`] for the media
-    /// inside and around them.
+    /// wavelength; [`MediaFeatures::SCATTERING`], [`MediaFeatures::AMBIENT`], [`MediaFeatures::PHASES`] and
+    /// [`MediaFeatures::GRIDS`] for the media inside and around them.
     #[must_use]
     pub fn features(&self) -> MediaFeatures {
         let around = self.scene.media.first();
@@ -64,7 +64,9 @@ impl<'a> Solids<'a> {
         let scatters = scattering().next().is_some();
         let has_phases = scattering().any(|medium| medium.phase != 0);
         let is_ambient = around.is_some_and(Medium::attenuates);
+        let has_grids = self.solids.iter().any(|solid| self.scene.grids.of(solid.medium).is_some());
         let mut features = MediaFeatures::NONE;
+        features.set(MediaFeatures::GRIDS, has_grids);
         features.set(MediaFeatures::DISPERSION, is_dispersive);
         features.set(MediaFeatures::SCATTERING, scatters);
         features.set(MediaFeatures::AMBIENT, is_ambient);

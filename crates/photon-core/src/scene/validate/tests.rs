@@ -2,6 +2,7 @@
 
 mod shading;
 
+use crate::scene::grid::{Grid, OwnedGridTables};
 use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind, Primitive};
 use crate::scene::medium::Medium;
@@ -16,6 +17,7 @@ struct Tables {
     primitives: Vec<Primitive>,
     materials: Vec<Material>,
     media: Vec<Medium>,
+    grids: OwnedGridTables,
     lights: Vec<Light>,
     starts: Vec<u32>,
     radius: f32,
@@ -51,6 +53,11 @@ impl Tables {
             primitives: vec![primitive; 2],
             materials: MaterialKind::ALL.map(material).to_vec(),
             media: vec![Medium::VACUUM, Medium { ior: 1.5, ..Medium::VACUUM }],
+            grids: OwnedGridTables {
+                grids: vec![Grid::default(), Grid { cells: [9, 1, 1], ..Grid::default() }],
+                bricks: vec![0.5_f32.to_bits(), 1 << 31],
+                densities: vec![1.0; 729],
+            },
             lights: [Light::TRIANGLE, Light::POINT, Light::SPOT, Light::DIRECTIONAL].map(light).to_vec(),
             starts: light_cdf(&[1.0; 4]),
             radius: 0.75,
@@ -65,6 +72,7 @@ impl Tables {
             primitives: &self.primitives,
             materials: &self.materials,
             media: &self.media,
+            grids: self.grids.view(),
             lights: &self.lights,
             light_cdf: &self.starts,
             radius: self.radius,
@@ -152,6 +160,20 @@ fn positions_and_indices() {
         (|t| t.primitives[1].normal = [0.0; 3], "primitive 1: its normal [0.0, 0.0, 0.0] is not a unit vector"),
         (|t| t.primitives[1].normal = [0.0, 0.0, 1.001], "primitive 1: its normal"),
         (|t| t.primitives[0].normal[0] = f32::NAN, "primitive 0: its normal"),
+    ]);
+}
+
+#[test]
+fn grids() {
+    all_fail(&[
+        (|t| t.grids.grids.truncate(1), "scene view: the number of grids is 1 for 2 media"),
+        (|t| t.grids.grids[1].x[3] = f32::NAN, "grid 1: its rows"),
+        (|t| t.grids.grids[1].cells[1] = 8, "grid 1: its [9, 8, 1] cells from brick 0 are not in the table of 2"),
+        (|t| t.grids.grids[1].cells[2] = 0, "grid 1: its [9, 1, 0] cells"),
+        (|t| t.grids.grids[1].first = 1, "grid 1: its [9, 1, 1] cells from brick 1"),
+        (|t| t.grids.bricks[0] = f32::NAN.to_bits(), "brick 0: its word"),
+        (|t| t.grids.bricks[1] = 1 << 31 | 1, "brick 1: its word 0x80000001 is neither"),
+        (|t| t.grids.densities[7] = -0.5, "density 7: it is -0.5"),
     ]);
 }
 

@@ -3,8 +3,11 @@
 use super::super::schema::{Material, Medium};
 use super::Overrides;
 use crate::builder::SceneBuilder;
-use crate::describe::{AmbientMedium, PhaseDesc, PhaseKeys};
+use crate::describe::{AmbientMedium, GridDesc, PhaseDesc, PhaseKeys};
 use crate::error::SceneError;
+use crate::load::budget::Budget;
+use crate::load::gltf::leaves_folder;
+use std::path::Path;
 
 impl Overrides {
     /// Sets the ambient medium; keys that are not given keep what the scene has.
@@ -28,21 +31,40 @@ impl Overrides {
         Ok(())
     }
 
-    /// Refuses what materials cannot have yet.
-    pub(super) fn check_media_keys(&self, name: &str, with: &Material) -> Result<(), SceneError> {
-        let what = format!("material '{name}'");
-        let grid = [
-            ("grid", with.grid.is_some()),
-            ("transform", with.transform.is_some()),
-            ("density_scale", with.density_scale.is_some()),
-        ];
-        match grid.into_iter().find(|(_, is_given)| *is_given) {
-            Some((key, _)) => {
-                let what = format!("{what} has the key {key}, but grids of densities are not supported yet");
-                Err(self.fault(what, "leave it out: the medium is the same everywhere in the solid"))
+    /// The grid that a material is given in place of `before`.
+    pub(super) fn grid(
+        &self,
+        name: &str,
+        before: Option<&GridDesc>,
+        with: &Material,
+        budget: &Budget,
+    ) -> Result<Option<GridDesc>, SceneError> {
+        let mut grid = match &with.grid {
+            Some(file) => {
+                // As the images of scene files: what a stranger's file names is in its folder.
+                if leaves_folder(&file.to_string_lossy()) {
+                    let file = file.display();
+                    let what =
+                        format!("material '{name}' has the grid {file}, outside the folder of the override file");
+                    return Err(self.fault(what, "put it into that folder or below it"));
+                }
+                let folder = self.path.parent().unwrap_or(Path::new(""));
+                Some(GridDesc::read_budgeted(&folder.join(file), budget)?)
             }
-            None => Ok(()),
+            None => before.cloned(),
+        };
+        let others = [("transform", with.transform.is_some()), ("density_scale", with.density_scale.is_some())];
+        if let (None, Some((key, _))) = (&grid, others.into_iter().find(|(_, is_given)| *is_given)) {
+            let what = format!("material '{name}' has the key {key}, but no grid");
+            return Err(self.fault(what, "give it a grid of densities, a .vol or .nvdb file"));
         }
+        if let Some(transform) = with.transform {
+            grid = grid.map(|grid| grid.with_transform(transform));
+        }
+        if let Some(scale) = with.density_scale {
+            grid = grid.map(|grid| grid.with_density_scale(scale));
+        }
+        Ok(grid)
     }
 
     /// The phase function of a medium with these keys.

@@ -292,13 +292,13 @@ pub fn memory_is_limited_with_a_mirror<T: TestBackend>() {
     builder.camera("down", CameraDesc::new([0.0, 0.5, 1.5], [0.0, -0.4, -1.0], [0.0, 1.0, 0.0], projection));
     let scene = builder.build().unwrap();
     let media = Fog::new(0.5, 0.9, 0.0).at(&scene, 0);
-    let view = View { camera: scene.camera(None, 64, 64).unwrap(), width: 64, height: 64 };
+    let view = View { camera: scene.camera(None, 24, 24).unwrap(), width: 24, height: 24 };
     let start = |settings: Settings| {
         let mut made = Pipeline::new(T::make(2), &SceneView { media: &media, ..scene.view() }, view, settings)?;
         made.pass(0, &mut ())?;
         Ok(made)
     };
-    let cap = 8 << 20;
+    let cap = 12 << 20;
     let asked = Settings { photons: 1_000_000, ..fixed_radius(0.1) };
     let mut capped = start(Settings { memory: Some(cap), ..asked.clone() }).unwrap();
     let facts = capped.facts();
@@ -307,7 +307,7 @@ pub fn memory_is_limited_with_a_mirror<T: TestBackend>() {
     let mut free = start(Settings { photons: facts.photons, ..asked.clone() }).unwrap();
     assert_eq!(capped.film().unwrap().pixels, free.film().unwrap().pixels);
     // Queries, estimates and four segments of each pixel do not fit.
-    let refused = start(Settings { memory: Some(2 << 20), ..asked }).err();
+    let refused = start(Settings { memory: Some(1 << 20), ..asked }).err();
     assert!(matches!(refused, Some(Error::OverMemory { .. })), "{refused:?}");
 }
 

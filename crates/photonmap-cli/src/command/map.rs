@@ -25,7 +25,7 @@ pub struct MapArgs {
     /// Segments instead of query points, with --radius: a .npy file of float32, shape (M, 2, 3), the ends of each, or (M, 6).
     ///
     /// Photons within the radius of a segment are counted, in double precision. On the CPU.
-    #[arg(long, value_name = "B.npy", requires = "radius")]
+    #[arg(long, value_name = "B.npy", requires = "radius", conflicts_with = "k")]
     beams: Option<PathBuf>,
     /// Find this many nearest photons of each query.
     #[arg(long, value_name = "K", required_unless_present = "radius", conflicts_with = "radius")]

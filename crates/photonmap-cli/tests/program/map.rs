@@ -146,7 +146,7 @@ fn beams_find_what_brute_force_finds() {
     let (photons, beams) = (p.to_str().unwrap(), b.to_str().unwrap());
     for (arguments, culprit) in [
         (&["--beams", beams][..], "--radius"),
-        (&["--beams", beams, "--k", "3"], "--radius"),
+        (&["--beams", beams, "--k", "3"], "cannot be used with"),
         (&["--beams", beams, "--queries", photons, "--radius", "1"], "--queries"),
         (&["--beams", photons, "--radius", "1"], "shape (200,3); give a float32 array of shape (N, 2, 3)"),
         (&["--beams", beams, "--radius", "-1"], "--radius is -1"),

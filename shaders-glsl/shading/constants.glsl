@@ -99,7 +99,6 @@ const uint FLAT_TRIANGLE = 2147516416u;
 // RandomKind.
 const uint RANDOM_COUNTER = 0u;
 const uint RANDOM_LCG = 1u;
-const uint RANDOM_SOBOL = 2u;
 
 // random::Domain.
 const uint DOMAIN_PHOTON = 0u;
@@ -125,8 +124,6 @@ const uint WAVELENGTH_STEP = 2654435769u;
 // Kernel::number.
 const uint KERNEL_CONSTANT = 0u;
 const uint KERNEL_EPANECHNIKOV = 1u;
-const uint KERNEL_CONE = 2u;
-const uint KERNEL_BIWEIGHT = 3u;
 
 // Layer.
 const uint LAYER_EMISSION = 0u;

@@ -15,6 +15,10 @@ const PATHS_OF_GPU: u32 = 400_000;
 /// Most paths for each pixel of a picture. The density of photons then allows radii of half a pixel, the least that are derived.
 const PATHS_PER_PIXEL: u64 = 4;
 
+/// Likewise on a GPU, where they cost hardly more. Radii are then smaller: at 128 × 128 pixels, glasses of milk and of wine, wax
+/// and mist have 0.34 to 0.7 times the error of that with 4.
+const PATHS_PER_PIXEL_OF_GPU: u64 = 32;
+
 /// Share of a pixel's light from which its caustic is visible: noise of it then exceeds that of all other light.
 pub(crate) const VISIBLE_CAUSTIC: f64 = 0.2;
 
@@ -203,8 +207,9 @@ impl Settings {
             settings.area = Area::Surface;
         }
         if !fixed.photons {
-            let most = if is_gpu { PATHS_OF_GPU } else { PATHS };
-            let each = PATHS_PER_PIXEL.saturating_mul(pixels).clamp(1, u64::from(u32::MAX)) as u32;
+            let (most, of_pixel) =
+                if is_gpu { (PATHS_OF_GPU, PATHS_PER_PIXEL_OF_GPU) } else { (PATHS, PATHS_PER_PIXEL) };
+            let each = of_pixel.saturating_mul(pixels).clamp(1, u64::from(u32::MAX)) as u32;
             settings.photons = most.min(each);
         }
         if !fixed.bandwidth {
@@ -368,6 +373,7 @@ mod tests {
     fn paths_are_fewer_in_small_pictures_and_short_times() {
         let few = Circumstances { pixels: 100, ..within(Some(9.0), false, OPEN) };
         assert_eq!(Settings::default().for_first_pass(&few).photons, 400);
+        assert_eq!(Settings::default().for_first_pass(&Circumstances { is_gpu: true, ..few }).photons, 3200);
         let photons = |photon_seconds, other_seconds, seconds_left| {
             let first = FirstPass { photon_seconds, other_seconds, seconds_left, ..FirstPass::default() };
             decided(first, &within(Some(9.0), false, OPEN)).0

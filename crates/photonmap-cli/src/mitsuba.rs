@@ -14,7 +14,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use photon_core::glam::Vec3;
-use photon_core::{Camera, Features, Light, Material, MaterialKind, Medium, partial_transmission};
+use photon_core::{
+    Camera, Features, Light, Material, MaterialKind, MediaFeatures, Medium, Solids, partial_transmission,
+};
 use photon_scene::Scene;
 
 use crate::atomic_write;
@@ -44,6 +46,14 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> R
     let folder = path.with_file_name(&folder_name);
     std::fs::create_dir_all(&folder).map_err(|why| Fault::writing(&folder, why))?;
     let mut written = Written { folder: folder.clone(), meshes: 0, warnings: Vec::new() };
+    let features = Solids::of(&view).features();
+    if features.contains(MediaFeatures::NESTED) && !features.contains(MediaFeatures::DISPERSION) {
+        written.warnings.push(
+            "solids that lie within one another or overlap are written as if each was in a vacuum: light inside them \
+             differs in Mitsuba"
+                .into(),
+        );
+    }
     let has_media = view.media.iter().any(Medium::attenuates);
     let mut text = String::from("<scene version=\"3.0.0\">\n");
     // Only the volumetric path tracers support media; for those whose coefficients differ by colour there is one of its own.

@@ -185,6 +185,11 @@ fn absorption_is_written_for_mitsuba() {
         assert!(*found <= 1.0 && (found * scale - expected).abs() < 1e-5, "{sigma:?} times {scale}");
     }
     assert_eq!(sigma.len(), 3);
+    for (scene, is_nested) in [("milk", true), ("cornell-glass", false)] {
+        let output = run("export", &[scene, "-o", file.to_str().unwrap()]);
+        succeeded(&output);
+        assert_eq!(stderr(&output).contains("within one another"), is_nested, "{output:?}");
+    }
 }
 
 /// A share of glass is the weight of the second of two surfaces.

@@ -8,7 +8,7 @@ layout(local_size_x_id = 1) in;
 
 // Whether the error moments of the estimates are summed as well.
 layout(constant_id = 2) const uint ERROR_MOMENTS = 0;
-// Whether the estimates are irradiance rather than flux within a disc.
+// Whether the estimates are irradiance rather than flux within a disc. Rays that have any are moved to where no map has photons.
 layout(constant_id = 3) const uint IRRADIANCE = 0;
 
 #include "device/grid.glsl"
@@ -38,6 +38,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
 
 layout(push_constant, scalar) uniform Push { Parameters push; };
 
+// As in final_gather.comp.
+const float NOWHERE = 1.0e6;
+
 void main() {
     uint local = thread();
     if (local >= push.count_queries) return;
@@ -54,6 +57,7 @@ void main() {
         vec3 flux = push.estimates[i].at.flux;
         vec3 throughput = push.landings[i].at.throughput;
         two_add(sum, low, throughput * (flux * density));
+        if (IRRADIANCE != 0) push.landings[i].at.position = vec3(NOWHERE);
         if (with_errors) {
             Biases found = biases(flux, push.error_moments[i].at.wide, push.error_moments[i].at.narrow);
             bias += throughput * (density * found.wide);

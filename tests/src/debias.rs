@@ -206,6 +206,8 @@ pub fn d3_irradiance_found_beforehand<T: TestBackend>() {
     check("ball", &nearest);
     let gained = over(&nearest, &asked);
     assert_agrees("ball, over all photons", moments(&gained).0, 0.0, standard_error(&gained), 2e-3);
+    // Two photons per disc, and every eighth has a point: with points alone, three quarters of the rays would find none.
+    check("ball, sparse", &of(&ball, Area::Disc, Some(8), 0.02));
     let (whole, dark) = (of(&cube, Area::Surface, Some(4), 0.3), of(&cube, Area::Disc, Some(4), 0.3));
     check("cube", &whole);
     assert_eq!(of(&cube, Area::Surface, None, 0.3), whole);

@@ -94,9 +94,8 @@ impl FinalGather<Cpu> for CpuGather {
 /// Scratch memory for the searches in each map.
 fn scratch(maps: &Maps<'_, Cpu>) -> Result<PerMap<Neighbours>, OutOfMemory> {
     let mut all = PerMap::<Neighbours>::default();
+    // The nearest point of irradiance needs none of its own.
     for (kind, map) in maps.photons.iter() {
-        // Precomputed irradiance takes the place of the global map.
-        let map = if kind == MapKind::Global { maps.irradiance.as_ref().or(map.as_ref()) } else { map.as_ref() };
         if let Some((map, gather)) = map {
             all[kind] = scratch_for(map, gather)?;
         }
@@ -300,8 +299,10 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
         };
         if let Some((map, gather)) = &maps.irradiance {
             let estimate = estimate_at(map, at(gather), gather, &mut scratch[MapKind::Global]);
-            found.irradiance = estimate.flux.map(f64::from);
-            return found.times(throughput.to_array());
+            if estimate.photons > 0 {
+                found.irradiance = estimate.flux.map(f64::from);
+                return found.times(throughput.to_array());
+            }
         }
         let landing = Query {
             position: surface.point.into(),

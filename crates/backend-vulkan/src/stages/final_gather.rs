@@ -118,19 +118,15 @@ impl VulkanGather {
     }
 }
 
-/// Kernels: that of the rays, and that which sums what they find.
-pub(crate) fn kernels(
-    on: &mut Vulkan,
-    scene: &SceneKind,
-    error_moments: bool,
-    irradiance: bool,
-) -> [ComputePipeline; 2] {
+/// The kernel of the rays.
+pub(crate) fn ray_kernel(on: &mut Vulkan, scene: &SceneKind) -> ComputePipeline {
     let constants = GatherConstants { features: scene.features, media: scene.media };
-    let sum = GatheredConstants { error_moments, irradiance };
-    [
-        on.kernel(&shaders::STAGES_FINAL_GATHER, GROUP, &constants),
-        on.kernel(&shaders::STAGES_FINAL_GATHER_SUM, GROUP, &sum),
-    ]
+    on.kernel(&shaders::STAGES_FINAL_GATHER, GROUP, &constants)
+}
+
+/// The kernel that sums what rays find in a map, or as irradiance at points.
+pub(crate) fn sum_kernel(on: &mut Vulkan, error_moments: bool, irradiance: bool) -> ComputePipeline {
+    on.kernel(&shaders::STAGES_FINAL_GATHER_SUM, GROUP, &GatheredConstants { error_moments, irradiance })
 }
 
 /// Upper bound on the number of gather rays at a time.
@@ -164,15 +160,15 @@ impl FinalGather<Vulkan> for VulkanGather {
         film.clear_values(on, queries.capacity())?;
         let values = film.values_address(on, queries.capacity())?;
         let mut errors = self.error_buffers(on, film, room, queries.capacity())?;
-        let [follow, add] = kernels(on, &scene.kind, errors.is_some(), maps.irradiance.is_some());
-        // Precomputed irradiance is not a sum over photon paths.
-        let asked: Vec<_> = match maps.irradiance {
-            Some(irradiance) => vec![(irradiance, 1)],
-            None => {
-                let each = maps.photons.iter();
-                each.filter_map(|(kind, map)| map.map(|map| (map, maps.paths[kind]))).collect()
-            }
-        };
+        let follow = ray_kernel(on, &scene.kind);
+        let add = sum_kernel(on, errors.is_some(), false);
+        let each = maps.photons.iter();
+        let mut asked: Vec<_> =
+            each.filter_map(|(kind, map)| map.map(|map| (map, maps.paths[kind], add.clone()))).collect();
+        // Points first: rays that find one ask no map.
+        if let Some(irradiance) = maps.irradiance {
+            asked.insert(0, (irradiance, 1, sum_kernel(on, errors.is_some(), true)));
+        }
         // Process whole queries at a time, unless a single query has too many rays.
         let per_query = rays.min(dispatch_limits.gather_rays_of_query);
         let per_chunk = u64::from(dispatch_limits.gather_rays / per_query);
@@ -211,7 +207,8 @@ impl FinalGather<Vulkan> for VulkanGather {
                     share: 1.0 / rays as f32,
                     padding: 0,
                 };
-                for ((map, gather), paths) in &asked {
+                for (nth, ((map, gather), paths, add)) in asked.iter().enumerate() {
+                    let is_irradiance = nth == 0 && maps.irradiance.is_some();
                     match &mut errors {
                         None => self.estimator.estimate(on, map, &landings, gather, &mut estimates)?,
                         Some(ErrorBuffers { error_moments, .. }) => {
@@ -226,13 +223,13 @@ impl FinalGather<Vulkan> for VulkanGather {
                         }
                     }
                     // Points of irradiance have their areas already.
-                    if let Some(area) = self.area.as_mut().filter(|_| maps.irradiance.is_none()) {
+                    if let Some(area) = self.area.as_mut().filter(|_| !is_irradiance) {
                         let error_moments = errors.as_mut().map(|errors| &mut errors.error_moments);
                         let buffers = EstimateBuffers { estimates: &mut estimates, error_moments };
                         area.correct(on, scene, pass, &landings, gather, buffers)?;
                     }
                     let scale = (1.0 / (std::f64::consts::PI * (*paths).max(1) as f64 * f64::from(rays))) as f32;
-                    on.dispatch(&add, &GatheredPush { scale, ..push }, u64::from(count_queries.div_ceil(GROUP)))?;
+                    on.dispatch(add, &GatheredPush { scale, ..push }, u64::from(count_queries.div_ceil(GROUP)))?;
                 }
             }
         }

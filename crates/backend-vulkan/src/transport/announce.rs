@@ -102,7 +102,8 @@ fn estimates(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
         return;
     }
     let rays = final_gather::most_rays(on, queries, settings.gather_rays);
-    final_gather::kernels(on, scene, settings.errors, settings.irradiance_every.is_some());
+    final_gather::ray_kernel(on, scene);
+    final_gather::sum_kernel(on, settings.errors, false);
     for map in passes.maps.iter().filter(|map| map.place == MapPlace::Surface) {
         let Some(every) = settings.irradiance_every else {
             estimate::announce(on, &map.gather, map.photon_format, rays, settings.errors);
@@ -112,10 +113,12 @@ fn estimates(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
         let points = u64::from(settings.photons / every.max(1));
         let gather = EstimateParams { kernel: Kernel::Constant, ..map.gather };
         estimate::announce(on, &gather, map.photon_format, points, false);
+        estimate::announce(on, &gather, map.photon_format, rays, false);
         if surface {
             area::kernel(on, scene, &gather, false);
         }
         irradiance::kernels(on);
+        final_gather::sum_kernel(on, settings.errors, true);
         estimate::announce(on, &EstimateParams::new(Search::NearestPhoton), PhotonFormat::Full, rays, settings.errors);
     }
 }

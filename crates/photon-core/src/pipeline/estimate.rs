@@ -1,9 +1,10 @@
 //! Estimates from the maps of a pass.
 
 use super::Pipeline;
+use super::irradiance::POINT_KERNEL;
 use super::photons::Sent;
 use super::slot::{BuiltMap, MapSlot};
-use crate::backend::stages::{EstimateBuffers, Maps, Pass};
+use crate::backend::stages::{EstimateBuffers, EstimateParams, Maps, Pass};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::requirements::map_kind::{MapKind, PerMap};
@@ -59,7 +60,8 @@ impl<B: TransportBackend> Pipeline<B> {
         if let Some(stage) = &mut self.stages.gather {
             let mut photons = PerMap::default();
             for built in gathered() {
-                photons[built.kind] = Some((&built.map, built.gather));
+                let kernel = if irradiance.is_some() { POINT_KERNEL } else { built.gather.kernel };
+                photons[built.kind] = Some((&built.map, EstimateParams { kernel, ..built.gather }));
             }
             let lent = Maps { photons, irradiance: irradiance.as_ref().map(|(map, gather)| (map, *gather)), paths };
             stage.gather(&mut self.on, &self.scene, &lent, pass, &self.queries, rays, &mut self.film)?;

@@ -22,12 +22,18 @@ pub(super) struct Points<B: Backend> {
     capacity: u64,
 }
 
-/// Kernel for estimates at a photon's position. Such an estimate includes that photon, which is one too
-/// many; but a ray that takes this point as the nearest one has no nearer point around its hit, which is
-/// one too few. With the constant kernel both effects cancel, as long as points are much denser than discs;
-/// with a kernel that weights the centre higher, energy is gained: a share of 6 every/n² with
-/// Epanechnikov's kernel and n photons in a disc.
-const POINT_KERNEL: Kernel = Kernel::Constant;
+/// Kernel for estimates at a photon's position, and where rays land far from any. Such an estimate includes that photon, which is
+/// one too many; but a ray that takes this point as the nearest one has no nearer point around its hit, which is one too few.
+///
+/// With the constant kernel both effects cancel for any number n of photons in a disc, if points count up to [`REACH`] and the
+/// maps are searched beyond. Let T be the number of points expected within that reach of a hit. Where the nearest is within it,
+/// the empty disc around the hit lies in the disc of the estimate, and the mean is n (1 − e^−T) + T e^−T; else the map has T
+/// photons too few there: (n − T) e^−T. The sum is n. With longer reach, single photons of a sparse map would light all that is
+/// nearer to them than to others, and energy would be gained without bounds as radii shrink.
+pub(super) const POINT_KERNEL: Kernel = Kernel::Constant;
+
+/// Distance up to which a point counts, in radii of the map with the least.
+const REACH: f32 = 0.5;
 
 /// Every so many photons have a point where areas are those on the surface, if nothing else is asked for: the probes of all
 /// rays would take several times as long as the rays.
@@ -88,7 +94,7 @@ impl<B: TransportBackend> Pipeline<B> {
         for BuiltMap { map, .. } in maps() {
             stage.places(on, map, every, &mut points.queries)?;
         }
-        let mut reach = 0.0_f32;
+        let mut least = f32::INFINITY;
         let mut first = true;
         for BuiltMap { map, gather, paths, .. } in maps() {
             let gather = &EstimateParams { kernel: POINT_KERNEL, ..*gather };
@@ -99,15 +105,14 @@ impl<B: TransportBackend> Pipeline<B> {
             }
             stage.add(on, &points.queries, &points.estimates, *paths, first, &mut found)?;
             first = false;
-            reach = reach.max(gather.radius_scale);
+            least = least.min(gather.radius_scale);
         }
         on.mark(Some(Stage::Build));
         let built = self.stages.map.builder.build(on, found)?;
         on.mark(Some(Stage::Gather));
-        // The nearest point that faces the same way, within a radius that contains a few points wherever a
-        // search with `reach` finds enough photons.
+        // The nearest point that faces the same way.
         let gather = EstimateParams {
-            radius_scale: reach * (every as f32 / 8.0).max(1.0).sqrt(),
+            radius_scale: REACH * least,
             min_normal_cosine: self.settings.min_normal_cosine,
             ..EstimateParams::new(Search::NearestPhoton)
         };

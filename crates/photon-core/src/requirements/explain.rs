@@ -247,7 +247,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         "irradiance at photons",
         gather && every.is_some(),
         match (gather, every) {
-            (true, Some(_)) => "final-gather rays use the nearest",
+            (true, Some(_)) => "final-gather rays use the nearest, if it is near",
             (true, None) => "final-gather rays estimate from the maps",
             (false, _) => "no final-gather rays",
         },

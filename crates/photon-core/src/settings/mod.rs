@@ -236,8 +236,8 @@ pub struct Settings {
     #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub gather_rays: u32,
     /// `Some(n)`, n ≥ 1: irradiance is precomputed once per pass at the position of every n-th photon, and
-    /// final-gather rays use the value of the nearest such point (Christensen 1999). Smaller is finer;
-    /// these estimates weight all photons within the radius equally. `None`: each final-gather ray
+    /// final-gather rays use the value of the nearest such point within half a radius (Christensen 1999), and else estimate
+    /// from the maps. These estimates weight all photons within the radius equally. `None`: each final-gather ray
     /// estimates from the maps. Only with [`Indirect::Gather`], and not with [`Settings::errors`].
     #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::optional_count"))]
     pub irradiance_every: Option<u32>,

@@ -13,8 +13,8 @@ use crate::scene::layout::{Estimate, Photon, Query};
 pub struct Maps<'a, B: Backend> {
     /// The maps that were built.
     pub photons: PerMap<Option<(&'a B::PhotonMap, EstimateParams)>>,
-    /// Irradiance from all maps, precomputed at every n-th photon and stored as its power. If present,
-    /// final-gather rays use only this map, and take [`Estimate::flux`] as irradiance.
+    /// Irradiance from all maps, precomputed at every n-th photon and stored as its power. If present, final-gather rays take
+    /// [`Estimate::flux`] of this map as irradiance where it has a photon, and elsewhere estimate from the others.
     pub irradiance: Option<(&'a B::PhotonMap, EstimateParams)>,
     /// Number of paths that filled each map: all that were emitted, or those that were aimed.
     pub paths: PerMap<u64>,

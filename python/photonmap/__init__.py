@@ -12,7 +12,7 @@ from ._errors import (
 )
 from ._film import Film
 from ._kdtree import KDTree
-from ._materials import Glass, Lambert, Material, Metal, Mirror, Plastic
+from ._materials import Boundary, Glass, Lambert, Material, Metal, Mirror, Plastic
 from ._photons import PhotonMap, Photons, trace
 from ._progress import Progress
 from ._render import builtin_scenes, render
@@ -23,6 +23,7 @@ from ._texture import Texture
 __version__ = "0.1.0"
 
 __all__ = [
+    "Boundary",
     "DeviceError",
     "Error",
     "FileError",

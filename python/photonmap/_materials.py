@@ -11,7 +11,7 @@ import numpy as np
 from ._errors import InputError
 from ._texture import Texture
 
-__all__ = ["Glass", "Lambert", "Material", "Metal", "Mirror", "Plastic"]
+__all__ = ["Boundary", "Glass", "Lambert", "Material", "Metal", "Mirror", "Plastic"]
 
 
 def triple(name: str, value: Any) -> list[float]:
@@ -98,7 +98,7 @@ class Material:
 
     def _surface(self) -> tuple[str, Any, Any, float, float, float]:
         """Kind, colour, second colour, ior, roughness, specular."""
-        raise InputError("Material itself has no surface; use Lambert, Mirror, Glass, Metal or Plastic")
+        raise InputError("Material itself has no surface; use Lambert, Mirror, Glass, Boundary, Metal or Plastic")
 
     def _add_to(self, builder: Any, name: str, added: dict[Any, int]) -> int:
         kind, color, second, ior, roughness, specular = self._surface()
@@ -190,7 +190,7 @@ class Mirror(Material):
 class Glass(Material):
     """A solid of glass, whose mesh must be closed and face outwards; `thin`: a pane without thickness.
 
-    `ior`: refractive index; of 1, the boundary of mist or smoke. `absorption`, `scattering` (milk, wax): per unit of length.
+    `ior`: refractive index. `absorption`, `scattering` (milk, wax): per unit of length.
     `phase`: "hg" (Henyey and Greenstein) with the mean cosine `anisotropy` of the scattering, in (-1, 1); "rayleigh"; or "mie"
     with `droplet_micrometres`, 5 to 50. `tint` multiplies the light at each crossing. `roughness` in [0, 1]; 0 is smooth.
 
@@ -266,6 +266,28 @@ class Glass(Material):
         if number("clearcoat", self.clearcoat) != 0 or any(triple("sheen", self.sheen)):
             raise InputError("glass has no clearcoat and no sheen; leave them out")
         return ("thin" if self.thin else "glass"), self.tint, self.absorption, self.ior, self.roughness, 1.0
+
+
+@dataclass(frozen=True)
+class Boundary(Material):
+    """The boundary of mist, smoke or ink, which light passes unchanged; its mesh must be closed and face outwards.
+
+    `absorption`, `scattering`: per unit of length. `phase`, `anisotropy`, `droplet_micrometres`: as of `Glass`.
+    """
+
+    absorption: Any = 0.0
+    scattering: Any = 0.0
+    anisotropy: float = 0.0
+    phase: str = "hg"
+    droplet_micrometres: float | None = None
+
+    def _scattering(self) -> tuple[list[float], tuple[str, float, float | None]]:
+        return triple("scattering", self.scattering), phase(self.phase, self.anisotropy, self.droplet_micrometres)
+
+    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
+        if number("clearcoat", self.clearcoat) != 0 or any(triple("sheen", self.sheen)):
+            raise InputError("a boundary has no clearcoat and no sheen; leave them out")
+        return "boundary", 1.0, self.absorption, 1.0, 0.0, 1.0
 
 
 @dataclass(frozen=True)

@@ -179,16 +179,22 @@ class Scene:
         anisotropy: float = 0.0,
         phase: str = "hg",
         droplet_micrometres: float | None = None,
+        box: Any = None,
     ) -> Scene:
-        """Sets the medium around all solids, without bounds: fog, haze. Light from infinitely far away does not pass it.
+        """Sets the medium around all solids: fog, haze. Light from infinitely far away does not pass one without a box.
 
         `scattering`, `absorption`: coefficients per unit of length, a number or RGB. `phase`: "hg" (Henyey and Greenstein) with
         the mean cosine `anisotropy`, in (-1, 1): 0 scatters evenly, 1 forwards; "rayleigh" for air; or "mie" for fog, with
-        droplets of `droplet_micrometres`, 5 to 50.
+        droplets of `droplet_micrometres`, 5 to 50. `box`: lower and upper corner of what it fills, (2, 3).
         """
         coefficients = triple("scattering", scattering), triple("absorption", absorption)
         function = phase_arguments(phase, anisotropy, droplet_micrometres)
-        return self._call("medium", *coefficients, function)
+        bounds = None
+        if box is not None:
+            if np.shape(box) != (2, 3):
+                raise InputError(f"the box has the shape {np.shape(box)}, but must have (2, 3)")
+            bounds = [vector("a corner of the box", corner) for corner in box]
+        return self._call("medium", *coefficients, function, bounds)
 
     def portal(self, opening: Any, *, name: str = "portal") -> Scene:
         """Declares an opening, such as a window, where photons of light from infinitely far away start more often.

@@ -122,6 +122,7 @@ impl RawBuilder {
             "lambert" => Surface::Lambert { albedo: color },
             "mirror" => Surface::Mirror { reflectance: color },
             "glass" => Surface::Dielectric { ior, absorption: second, tint: color, roughness },
+            "boundary" => Surface::Boundary { absorption: second },
             "thin" => Surface::Thin { ior, tint: color, roughness },
             "metal" => glossy(1.0),
             "plastic" => glossy(0.0),
@@ -284,9 +285,19 @@ impl RawBuilder {
         self.environment(&EnvironmentDesc::image("array", width, texels), rotate, scale)
     }
 
-    /// The medium around all solids.
-    fn medium(&mut self, scattering: [f64; 3], absorption: [f64; 3], function: PhaseArguments) -> PyResult<()> {
-        self.builder.medium(AmbientMedium::new(scattering, absorption).with_phase(phase(&function)?));
+    /// The medium around all solids, in a box if there is one.
+    fn medium(
+        &mut self,
+        scattering: [f64; 3],
+        absorption: [f64; 3],
+        function: PhaseArguments,
+        bounds: Option<[[f64; 3]; 2]>,
+    ) -> PyResult<()> {
+        let medium = AmbientMedium::new(scattering, absorption).with_phase(phase(&function)?);
+        self.builder.medium(match bounds {
+            Some([low, high]) => medium.with_bounds(low, high),
+            None => medium,
+        });
         Ok(())
     }
 

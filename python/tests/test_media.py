@@ -31,6 +31,14 @@ def test_media():
     assert pm.Glass(1.35, scattering=1, phase="rayleigh") != pm.Glass(1.35, scattering=1)
     with pytest.raises(pm.InputError, match="phase"):
         scene().quad("milk", FLOOR, pm.Glass(phase="rayleigh", anisotropy=0.1)).build()
+    mist = pm.Boundary(scattering=1, absorption=0.5)
+    assert scene().quad("mist", FLOOR, mist).digest != scene().quad("mist", FLOOR, pm.Boundary(scattering=2)).digest
+    box = ((-1, 0, -1), (1, 2, 1))
+    assert scene(scattering=0.1, box=box).digest != scene(scattering=0.1).digest
+    with pytest.raises(pm.InputError, match="box"):
+        scene(scattering=0.1, box=box[::-1]).build()
+    with pytest.raises(pm.InputError, match="must have"):
+        scene(scattering=0.1, box=box[0])
     for wrong in (pm.Glass(scattering=-1), pm.Glass(scattering=1, anisotropy=-1), pm.Glass(thin=True, scattering=1)):
         with pytest.raises(pm.InputError, match="scattering|anisotropy"):
             scene().quad("milk", FLOOR, wrong).build()

@@ -29,10 +29,12 @@ const uint MEDIA_SCATTERING = 4u;
 const uint MEDIA_AMBIENT = 8u;
 const uint MEDIA_PHASES = 16u;
 const uint MEDIA_GRIDS = 32u;
+const uint MEDIA_BOUNDARIES = 64u;
 
 // Medium::dispersion.
 const uint MEDIUM_CAUCHY = 1u;
 const uint MEDIUM_SELLMEIER = 2u;
+const uint MEDIUM_MATCHED = 3u;
 
 // Medium::phase.
 const uint MEDIUM_RAYLEIGH = 1u;
@@ -195,6 +197,7 @@ const float OCTAHEDRAL_STEPS = 32767.0;
 const float FLIGHT_FAR = 56.0;
 const uint FLIGHT_MAX_COLLISIONS = 1024u;
 const uint FLIGHT_FOCUSED_DEPOSITS = 8u;
+const float FLIGHT_SHORTEST_STRETCH = 9.5367431640625e-7;
 
 // grid.
 const uint GRID_BRICK = 8u;

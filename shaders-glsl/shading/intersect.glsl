@@ -112,17 +112,25 @@ float plane_distance(vec3 a, vec3 b, vec3 c, vec3 shear, float other) {
     return along != 0.0 ? away / along : other;
 }
 
-// Replaces `best` if the triangle is nearer, or at the same distance with a lower index, and if it is there for the
-// random word `word` (see alpha.glsl). Both sides are hit; edges and vertices belong to every triangle that has them.
+// A triangle that a ray may meet.
+struct Tested {
+    // Its corners, in the plane across the ray.
+    vec2 a;
+    vec2 b;
+    vec2 c;
+    // Edge functions: each is the weight of the opposite corner times their sum.
+    vec3 edges;
+    float determinant;
+    float t;
+    uint primitive;
+};
+
+// The watertight test; both sides are hit, and edges and vertices belong to every triangle that has them.
 //
 // Distances to triangles around the origin are computed from their planes: as weighted means of the vertices'
 // distances, those of slivers would have errors larger than the offset of rays from surfaces, so that a ray
 // would hit the triangle that it just left.
-void test_triangle(SceneRef scene, Corners table, uint slot, Sheared s, uint word, inout Hit best) {
-    Corners corners = table[slot];
-    vec4 first = corners.a;
-    vec4 second = corners.b;
-    vec4 third = corners.c;
+bool triangle_meets(vec4 first, vec4 second, vec4 third, Sheared s, out Tested tested) {
     precise vec3 a = turned(s.axis, first.xyz - s.origin);
     precise vec3 b = turned(s.axis, second.xyz - s.origin);
     precise vec3 c = turned(s.axis, third.xyz - s.origin);
@@ -137,9 +145,9 @@ void test_triangle(SceneRef scene, Corners table, uint slot, Sheared s, uint wor
         v = v == 0.0 ? edge_again(pc, pa) : v;
         w = w == 0.0 ? edge_again(pa, pb) : w;
     }
-    if (min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0) return;
+    if (min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0) return false;
     precise float determinant = u + v + w;
-    if (determinant == 0.0) return;
+    if (determinant == 0.0) return false;
     precise vec3 z = s.shear.z * vec3(a.z, b.z, c.z);
     precise float scaled = u * z.x + v * z.y + w * z.z;
     precise float t = scaled / determinant;
@@ -147,11 +155,29 @@ void test_triangle(SceneRef scene, Corners table, uint slot, Sheared s, uint wor
     if (min(min(z.x, z.y), z.z) <= BVH_PLANE_TOLERANCE && max(max(z.x, z.y), z.z) >= -BVH_PLANE_TOLERANCE) {
         t = plane_distance(a, b, c, s.shear, t);
     }
-    uint primitive = floatBitsToUint(first.w);
-    if (t >= 0.0 && (t < best.t || t == best.t && primitive < best.primitive)) {
-        precise vec2 weights = vec2(v, w) / determinant;
-        if (ALPHA && floatBitsToUint(third.w) != 0u && !alpha_is_there(scene, slot, primitive, weights, word)) return;
-        best = Hit(t, primitive, weights.x, weights.y, slot);
+    tested = Tested(pa, pb, pc, vec3(u, v, w), determinant, t, floatBitsToUint(first.w));
+    return true;
+}
+
+// In a function, since a `precise` variable computed from members of a record makes the compiler hang.
+vec2 weights_of(vec3 edges, float determinant) {
+    precise vec2 weights = edges.yz / determinant;
+    return weights;
+}
+
+// Replaces `best` if the triangle is nearer, or at the same distance with a lower index, and if it is there for the
+// random word `word` (see alpha.glsl).
+void test_triangle(SceneRef scene, Corners table, uint slot, Sheared s, uint word, inout Hit best) {
+    Corners corners = table[slot];
+    vec4 first = corners.a;
+    vec4 second = corners.b;
+    vec4 third = corners.c;
+    Tested at;
+    if (!triangle_meets(first, second, third, s, at)) return;
+    if (at.t >= 0.0 && (at.t < best.t || at.t == best.t && at.primitive < best.primitive)) {
+        vec2 weights = weights_of(at.edges, at.determinant);
+        if (ALPHA && floatBitsToUint(third.w) != 0u && !alpha_is_there(scene, slot, at.primitive, weights, word)) return;
+        best = Hit(at.t, at.primitive, weights.x, weights.y, slot);
     }
 }
 
@@ -221,11 +247,8 @@ void pop_group(inout Walk walk) {
     }
 }
 
-// Initializes the traversal at the root. Returns false if there is nothing that the ray can hit. `word` is the ray's
-// random word for surfaces with alpha.
-bool walk_begin(SceneRef scene, Ray ray, uint word, out Walk walk) {
-    walk.nodes = scene.nodes;
-    walk.corners = scene.corners;
+// The traversal of a tree at its root, without the addresses of the tree. Returns false for a ray that hits nothing.
+bool walk_new(Ray ray, uint word, out Walk walk) {
     walk.best = Hit(min(ray.t_max, NO_LIMIT), NO_PRIMITIVE, 0.0, 0.0, 0u);
     bvec3 negative = lessThan(ray.direction, vec3(0.0));
     vec3 size = max(abs(ray.direction), vec3(MIN_COMPONENT));
@@ -235,12 +258,20 @@ bool walk_begin(SceneRef scene, Ray ray, uint word, out Walk walk) {
     walk.group = uvec2(0u, 0x80000000u);
     walk.waiting = 0u;
     walk.word = word;
-    return sheared(ray, walk.sheared) && scene.triangles != 0u;
+    return sheared(ray, walk.sheared);
 }
 
-// Visits a node and its triangles. Returns false if that was the last one; with `shadow`, any hit suffices, and
-// the first one found ends the traversal.
-bool walk_step(SceneRef scene, inout Walk walk, const bool shadow) {
+// Initializes the traversal at the root. Returns false if there is nothing that the ray can hit. `word` is the ray's
+// random word for surfaces with alpha.
+bool walk_begin(SceneRef scene, Ray ray, uint word, out Walk walk) {
+    bool is_sane = walk_new(ray, word, walk);
+    walk.nodes = scene.nodes;
+    walk.corners = scene.corners;
+    return is_sane && scene.triangles != 0u;
+}
+
+// Visits a node. Returns its triangles: a mask, and the slot of the first.
+uvec2 walk_node(inout Walk walk) {
     uint bit = uint(findMSB(walk.group.y));
     walk.group.y &= ~(1u << bit);
     uint slot = (bit - 24u) ^ walk.octant;
@@ -274,18 +305,29 @@ bool walk_step(SceneRef scene, inout Walk walk, const bool shadow) {
     far = mix(high, low, negative);
     hits |= test_boxes(first.w, octant4, near, far, stride, near_start, far_start, walk.best.t);
 
-    uint triangles = hits & 0x00FFFFFFu;
-    while (triangles != 0u) {
-        uint lowest = uint(findLSB(triangles));
-        triangles &= triangles - 1u;
-        test_triangle(scene, walk.corners, first.y + lowest, walk.sheared, walk.word, walk.best);
-        if (shadow && walk.best.primitive != NO_PRIMITIVE) return false;
-    }
     walk.group = uvec2(first.x, (hits & 0xFF000000u) | head.w >> 24);
+    return uvec2(hits & 0x00FFFFFFu, first.y);
+}
+
+// Goes on to the next node. Returns false if there is none.
+bool walk_on(inout Walk walk) {
     if (walk.group.y > 0x00FFFFFFu) return true;
     if (walk.waiting == 0u) return false;
     pop_group(walk);
     return true;
+}
+
+// Visits a node and its triangles. Returns false if that was the last one; with `shadow`, any hit suffices, and
+// the first one found ends the traversal.
+bool walk_step(SceneRef scene, inout Walk walk, const bool shadow) {
+    uvec2 triangles = walk_node(walk);
+    while (triangles.x != 0u) {
+        uint lowest = uint(findLSB(triangles.x));
+        triangles.x &= triangles.x - 1u;
+        test_triangle(scene, walk.corners, triangles.y + lowest, walk.sheared, walk.word, walk.best);
+        if (shadow && walk.best.primitive != NO_PRIMITIVE) return false;
+    }
+    return walk_on(walk);
 }
 
 // The nearest hit up to `ray.t_max`, on either side of a triangle; of several at the same distance, the one

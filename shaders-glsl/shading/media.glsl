@@ -19,6 +19,9 @@ const bool GRIDS = (MEDIA & MEDIA_GRIDS) != 0u;
 // Whether space outside of all solids absorbs or scatters light.
 const bool AMBIENT = (MEDIA & MEDIA_AMBIENT) != 0u;
 
+// Whether media have boundaries that light passes.
+const bool BOUNDARIES = (MEDIA & MEDIA_BOUNDARIES) != 0u;
+
 // A stack of media: one byte each, the most recently entered one lowest. 0: in no medium.
 const uint VACUUM = 0u;
 

@@ -134,6 +134,14 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Gr
     GridDensities densities;
 };
 
+// Boundaries of media that light passes, with a tree of their own. In the second vertex of a triangle, `w` is the index of the
+// medium behind it; positions are in units of `scale`.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer BoundariesRef {
+    WideNodes nodes;
+    Corners corners;
+    float scale;
+};
+
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer SceneRef {
     WideNodes nodes;
     Corners corners;
@@ -155,6 +163,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Sc
     SpectrumCells spectrum;
     // 0 in a scene of homogeneous media.
     GridTables grids;
+    // 0 in a scene without any.
+    BoundariesRef boundaries;
 };
 
 #include "shading/alpha.glsl"

@@ -350,6 +350,9 @@ void main() {
         if (SEGMENTS != 0u && escaped) {
             leave_segments(path, pixel, path.media, NO_LIMIT, path.ray.direction, reservoir, found);
         }
+        if (BOUNDARIES && escaped && POINTS && may_attenuate(path.media)) {
+            path.throughput *= transmittance(push.scene, path.ray, NO_LIMIT, path.media);
+        }
         if (ENVIRONMENT && escaped && POINTS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             vec3 throughput = path.throughput;
             if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media, wavelength_of(path));

@@ -65,9 +65,17 @@ void leave_segments(
     if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, media, wavelength_of(path));
     vec3 start = path.reflected_normal;
     if (dot3(start, path.ray.direction) < 0.0) start = -start;
-    uint index = media_current(push.scene, media);
-    float to = end == NO_LIMIT ? FLIGHT_FAR : end;
-    leave_segment(throughput, pixel, media, index, path.ray, to, start, plane, reservoir, found);
+    Stretches all = stretches_begin(push.scene, path.ray, end, media);
+    Stretch part;
+    while (stretches_next(push.scene, all, part)) {
+        // The medium that applies, above that of the solid if they differ.
+        uint stack = part.medium == all.solid ? all.solid : media_enter(all.solid, part.medium);
+        precise vec3 origin = path.ray.origin + path.ray.direction * part.from;
+        vec3 first = part.start == vec3(0.0) ? start : part.start, last = part.end == vec3(0.0) ? plane : part.end;
+        Ray ray = Ray(origin, path.ray.direction, NO_LIMIT);
+        leave_segment(throughput, pixel, stack, part.medium, ray, part.to - part.from, first, last, reservoir, found);
+        throughput *= stretch_transmittance(push.scene, part.medium, path.ray, part.from, part.to);
+    }
 }
 
 // Completes the last slot.

@@ -26,6 +26,7 @@ layout(constant_id = 3) const uint MEDIA = 4;
 #include "shading/shade.glsl"
 #include "shading/stretches.glsl"
 #include "shading/two_float.glsl"
+#include "shading/light_sample.glsl"
 #include "shading/light_sampler.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at; };
@@ -49,11 +50,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
 
 layout(push_constant, scalar) uniform Push { Parameters push; };
 
-// Power of a light over the squared distance of the segment from its middle. Light from infinity reaches no medium: solids are
-// in its way, and nothing passes a medium without bounds.
+// Power of a light over the squared distance of the segment from its middle; of light from infinity, what gives the same
+// irradiance.
 float weight_along(uint index, Segment segment) {
     Light light = push.scene.lights[index].at;
-    if (light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT) return 0.0;
+    if (light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_ENVIRONMENT) {
+        return 4.0 * (light.power.x + light.power.y + light.power.z) / (light.radius * light.radius);
+    }
     vec3 middle = light.position;
     if (light.kind == LIGHT_TRIANGLE) {
         Emission area_light = push.scene.emissions[index].at;
@@ -94,18 +97,36 @@ bool sample_evenly(uint index, Light light, uvec2 point, out Target target) {
 bool sees_grid;
 Columns columns;
 
+// Radiance at the start of a segment that is scattered beyond a column of it, of `light` that arrives along a shadow ray.
+vec3 scattered_at(Segment segment, float column, Ray ray, vec3 light, uint alpha) {
+    if (light == vec3(0.0) || occluded(push.scene, ray, alpha)) return vec3(0.0);
+    Medium medium = media_medium(push.scene, segment.media);
+    float phase = phase_value(phase_of(medium), ray.direction, segment.direction);
+    vec3 passes = medium_transmittance(medium, column) * transmittance(push.scene, ray, ray.t_max, segment.media);
+    return light * medium.scattering * passes * phase;
+}
+
 // Radiance by way of a place on the segment, chosen by `choice`, and a point on a light, over the density of both.
 vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alpha) {
     Light light = push.scene.lights[index].at;
-    Target target;
-    if (!sample_evenly(index, light, point, target)) return vec3(0.0);
-    uint medium_index = media_current(push.scene, segment.media);
-    Medium medium = push.scene.media[medium_index].at;
-    vec3 extinction = medium_extinction(medium);
+    vec3 extinction = medium_extinction(media_medium(push.scene, segment.media));
     precise float mean = flight_total(extinction) / 3.0;
+    float whole = sees_grid ? columns_total() : segment.far;
+    Target target;
+    if (!sample_evenly(index, light, point, target)) {
+        float far = exponential_sample(mean, whole, choice);
+        if (sees_grid) far = columns_place(columns, far);
+        float column = sees_grid ? columns_to(columns, far) : far;
+        if (sees_grid && !(columns_density(columns, far) > 0.0)) return vec3(0.0);
+        precise vec3 from = segment.origin + segment.direction * far;
+        LightSample found;
+        if (!light_sample(push.scene, index, from, vec3(0.0), uvec4(0u, point, 0u), found)) return vec3(0.0);
+        // The local density is that of places too.
+        vec3 value = light_sample_times(found, 1.0) / exponential_density(mean, whole, column);
+        return scattered_at(segment, column, found.ray, value, alpha);
+    }
     Equiangular angles = equiangular_new(segment.origin, segment.direction, segment.far, target.to);
     // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
-    float whole = sees_grid ? columns_total() : segment.far;
     float far = 0.0;
     if (choice < 0.5) {
         far = min(equiangular_sample(angles, 2.0 * choice), segment.far);
@@ -126,11 +147,7 @@ vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alp
     float away = sqrt(square);
     precise vec3 direction = gap / away;
     vec3 intensity = light_intensity(push.scene, index, light, target, direction);
-    Ray ray = Ray(from, direction, away);
-    if (intensity == vec3(0.0) || occluded(push.scene, ray, alpha)) return vec3(0.0);
-    float phase = phase_value(phase_of(medium), direction, segment.direction);
-    vec3 passes = medium_transmittance(medium, column) * transmittance(push.scene, ray, away, segment.media);
-    return intensity * medium.scattering * passes * (local * phase / (square * density));
+    return scattered_at(segment, column, Ray(from, direction, away), intensity * (local / (square * density)), alpha);
 }
 
 void main() {

@@ -18,18 +18,22 @@ uvec4 medium_words(Sampler s, uint domain, uint block) {
     return philox4x32(uvec4(s.path, block, s.pass, domain), s.key);
 }
 
+// Bits of blocks below the number of a stretch of the ray, which has as many numbers as there are bits up to that of aimed paths.
+const uint STRETCH_BITS = 18u;
+const uint MOST_STRETCHES = 0x1FFFu;
+
 // Largest number below 1.
 const float LAST_PLACE = 0.99999994;
 
-// Leaves the photons of the part of a ray between two distances, with a column > 0, in the medium with this index: several where the light may
-// be focused.
-void deposit(inout Path path, uint index, float from, float to, float column) {
+// Leaves the photons of the part of a ray between two distances, with a column > 0, in the medium with this index: several where
+// the light may be focused. `block` is that of its random numbers, less the number of the event.
+void deposit(inout Path path, uint index, float from, float to, float column, uint block) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
     Medium medium = push.scene.media[index].at;
     uint count = path.specular_only ? FLIGHT_FOCUSED_DEPOSITS : 1u;
     uint first = stored_in(path.stored, map);
-    uvec4 words = medium_words(path.numbers, DOMAIN_DEPOSIT, path.bounce + path.collisions + AIMED_BLOCKS);
+    uvec4 words = medium_words(path.numbers, DOMAIN_DEPOSIT, block + path.bounce + path.collisions + AIMED_BLOCKS);
     float channel = unit_f32(words.x), start = unit_f32(words.y);
     for (uint number = 0u; number < count; ++number) {
         uint place = counter_take(push.place);
@@ -57,22 +61,22 @@ const uint CROSSING_ABSORBED = 2u;
 
 // Follows the part of the ray between two distances, in the medium with this index, which scatters light; `media` are those
 // of the solids around it. Aimed paths never collide: the power of those that would is left out.
-uint cross_medium(inout Path path, uint media, uint index, float from, float to) {
+uint cross_medium(inout Path path, uint media, uint index, float from, float to, uint block) {
     Medium medium = push.scene.media[index].at;
     uint event = path.bounce + path.collisions;
     float column = stretch_column(push.scene, index, path.ray, from, to);
     // Shadow rays find light that comes straight from a light source.
-    if (IN_MEDIA && event > 0u && column > 0.0) deposit(path, index, from, to, column);
+    if (IN_MEDIA && event > 0u && column > 0.0) deposit(path, index, from, to, column, block);
     if (AIMED) {
         path.power = photon_times(path.power, medium_transmittance(medium, column));
         return CROSSING_PASSES;
     }
-    uvec4 words = medium_words(path.numbers, DOMAIN_FLIGHT, 2u * event);
+    uvec4 words = medium_words(path.numbers, DOMAIN_FLIGHT, block + 2u * event);
     Flight flight = flight_sample(medium, path.power, column, unit_f32(words.x), unit_f32(words.y));
     if (flight.collides && !(unit_f32(words.z) < flight.albedo)) return CROSSING_ABSORBED;
     path.power = flight.power;
     if (!flight.collides) return CROSSING_PASSES;
-    uvec4 turn = medium_words(path.numbers, DOMAIN_FLIGHT, 2u * event + 1u);
+    uvec4 turn = medium_words(path.numbers, DOMAIN_FLIGHT, block + 2u * event + 1u);
     vec3 direction = phase_sample(phase_of(medium), path.ray.direction, unit_f32(turn.x), unit_f32(turn.y));
     float place = stretch_place(push.scene, index, path.ray, from, to, flight.distance);
     path.ray = Ray(along(path.ray, place), direction, NO_LIMIT);
@@ -84,11 +88,18 @@ uint cross_medium(inout Path path, uint media, uint index, float from, float to)
 
 // Follows the ray of a path through a stack of media up to the distance `end` of its next surface, NO_LIMIT without one.
 uint fly(inout Path path, uint media, float end) {
-    uint index = media_current(push.scene, media);
-    float to = end == NO_LIMIT ? FLIGHT_FAR : end;
-    if (medium_scatters(push.scene.media[index].at)) return cross_medium(path, media, index, 0.0, to);
-    if (may_attenuate(media)) {
-        path.power = photon_times(path.power, stretch_transmittance(push.scene, index, path.ray, 0.0, to));
+    uint number = 0u;
+    Stretches all = stretches_begin(push.scene, path.ray, end, media);
+    Stretch part;
+    while (stretches_next(push.scene, all, part)) {
+        if (medium_scatters(push.scene.media[part.medium].at)) {
+            uint crossing = cross_medium(path, media, part.medium, part.from, part.to, number << STRETCH_BITS);
+            if (crossing != CROSSING_PASSES) return crossing;
+            number = number + 1u & MOST_STRETCHES;
+        } else if (may_attenuate(media)) {
+            vec3 passes = stretch_transmittance(push.scene, part.medium, path.ray, part.from, part.to);
+            path.power = photon_times(path.power, passes);
+        }
     }
     return CROSSING_PASSES;
 }

@@ -12,6 +12,7 @@ pub mod alpha_surfaces;
 pub mod anisotropy;
 pub mod backends;
 pub mod blocks;
+pub mod boundaries;
 pub mod bright_texels;
 pub mod camera_samples;
 pub mod caustic_roughness;
@@ -170,6 +171,9 @@ macro_rules! whole_suite {
             }
             media_grids::{
                 airlight_in_a_slope, slopes_let_light_through, clouds_in_even_light, even_grids_are_homogeneous,
+            }
+            boundaries::{
+                rays_cross_media, shadow_rays_and_photons_pass, p3_shaft, p12_furnace, a_clear_boundary_changes_no_bit,
             }
             nesting::{
                 p20_glass_on_water, camera_in_three_solids, light_in_two_solids, a_fifth_solid_is_counted,

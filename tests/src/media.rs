@@ -35,7 +35,12 @@ impl Fog {
     }
 }
 
-fn renderer<T: TestBackend>(scene: &Scene, media: &[Medium], settings: &Settings, size: u32) -> Pipeline<T::On> {
+pub(crate) fn renderer<T: TestBackend>(
+    scene: &Scene,
+    media: &[Medium],
+    settings: &Settings,
+    size: u32,
+) -> Pipeline<T::On> {
     let view = View { camera: scene.camera(None, size, size).unwrap(), width: size, height: size };
     let mut settings = settings.clone();
     settings.photons = settings.photons.div_ceil(T::ONE_OF);
@@ -43,20 +48,20 @@ fn renderer<T: TestBackend>(scene: &Scene, media: &[Medium], settings: &Settings
 }
 
 /// All cases; of a backend that traces fewer photons, and whose pictures are compared with those of the other, the last alone.
-fn cases<T: TestBackend, C>(all: &[C]) -> &[C] {
+pub(crate) fn cases<T: TestBackend, C>(all: &[C]) -> &[C] {
     let first = if T::ONE_OF == 1 { 0 } else { all.len() - 1 };
     &all[first..]
 }
 
 /// Mean of the layers over the pixels, of one channel, in user units, of the passes in a film.
-fn mean(film: &Film, layers: &[Layer], channel: usize) -> f64 {
+pub(crate) fn mean(film: &Film, layers: &[Layer], channel: usize) -> f64 {
     let of_pixel = |layer: &Layer| film.pixels.iter().map(|p| p.layers[*layer as usize][channel]).sum::<f64>();
     let sum: f64 = layers.iter().map(of_pixel).sum();
     sum / film.pixels.len() as f64 * film.units.radiance_to_user()
 }
 
 /// Of each pass, the mean over pixels for each channel.
-fn per_pass<T: TestBackend>(
+pub(crate) fn per_pass<T: TestBackend>(
     scene: &Scene,
     media: &[Medium],
     settings: &Settings,
@@ -78,14 +83,14 @@ fn per_pass<T: TestBackend>(
 }
 
 /// The mean over the passes is `truth`, within 4.5 standard errors of the mean and a relative bound for what does not vary.
-fn assert_mean(what: &str, values: &[f64], truth: f64, relative: f64) {
+pub(crate) fn assert_mean(what: &str, values: &[f64], truth: f64, relative: f64) {
     let (mean, _) = moments(values);
     let error = standard_error(values);
     assert!(error < 0.05 * truth, "{what}: too noisy, {mean} ± {error}");
     assert_agrees(what, mean, truth, error, relative * truth);
 }
 
-fn camera(builder: &mut SceneBuilder, position: [f64; 3], direction: [f64; 3], half_height: f64) {
+pub(crate) fn camera(builder: &mut SceneBuilder, position: [f64; 3], direction: [f64; 3], half_height: f64) {
     let up = if direction[1].abs() > 0.9 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
     let projection = Projection::Orthographic { half_height };
     builder.camera("ray", CameraDesc::new(position, direction, up, projection));
@@ -170,7 +175,7 @@ pub fn p14_endless_fog<T: TestBackend>() {
 }
 
 /// Settings with this radius in every pass.
-fn fixed_radius(radius: f64) -> Settings {
+pub(crate) fn fixed_radius(radius: f64) -> Settings {
     Settings { indirect: photon_core::Indirect::Map, ..direct_settings(Direct::Nee, radius) }
 }
 

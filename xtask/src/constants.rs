@@ -59,9 +59,17 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("MEDIA_AMBIENT", MediaFeatures::AMBIENT.bits()),
                 ("MEDIA_PHASES", MediaFeatures::PHASES.bits()),
                 ("MEDIA_GRIDS", MediaFeatures::GRIDS.bits()),
+                ("MEDIA_BOUNDARIES", MediaFeatures::BOUNDARIES.bits()),
             ],
         ),
-        ("Medium::dispersion.", vec![("MEDIUM_CAUCHY", Medium::CAUCHY), ("MEDIUM_SELLMEIER", Medium::SELLMEIER)]),
+        (
+            "Medium::dispersion.",
+            vec![
+                ("MEDIUM_CAUCHY", Medium::CAUCHY),
+                ("MEDIUM_SELLMEIER", Medium::SELLMEIER),
+                ("MEDIUM_MATCHED", Medium::MATCHED),
+            ],
+        ),
         ("Medium::phase.", vec![("MEDIUM_RAYLEIGH", Medium::RAYLEIGH), ("MEDIUM_MIE", Medium::MIE)]),
         ("Light::flags.", vec![("LIGHT_BOTH_SIDES", Light::BOTH_SIDES)]),
         (

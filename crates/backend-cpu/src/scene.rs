@@ -11,7 +11,7 @@ use photon_core::{
     Shaded, SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, interface, memory, offset,
     radiance_scale, roughest_caustic, shadow_terminator,
 };
-use photon_scene::AccelError;
+use photon_scene::{Accel, AccelError};
 use rayon::prelude::*;
 
 use crate::caster::Checked;
@@ -19,6 +19,7 @@ use crate::cpu::Cpu;
 use crate::shading::CpuShading;
 use crate::stages::clear_disc;
 use crate::stages::light_tree::CpuLightTree;
+use crate::stretches::CpuBoundaries;
 
 /// A scene prepared for ray tracing.
 #[expect(missing_debug_implementations, reason = "holds a foreign ray caster")]
@@ -57,6 +58,7 @@ pub struct CpuScene {
     /// A bit for each triangle, in words of 64: whether its material has alpha. Empty in a scene without alpha.
     with_alpha: Vec<u64>,
     pub(crate) caster: Box<dyn RayCaster>,
+    pub(crate) boundaries: Option<CpuBoundaries>,
     pub(crate) features: Features,
     /// The features that the scene has; a subset of `features`.
     pub(crate) present: Features,
@@ -94,13 +96,9 @@ impl CpuScene {
         let start = Instant::now();
         let caster = match &on.make_caster {
             Some(make) => Box::new(Checked::new(make(view)?, view.triangles.len())),
-            None => photon_scene::Accel::build_by(view.positions, view.triangles, on.threads())
-                .map(|accel| Box::new(accel) as Box<dyn RayCaster>)
-                .map_err(|error| match error {
-                    AccelError::OutOfMemory(refused) => refused.into(),
-                    other => Error::Backend { backend: "cpu: building the BVH", source: Box::new(other) },
-                })?,
+            None => Box::new(accel(view.positions, view.triangles, on.threads())?) as Box<dyn RayCaster>,
         };
+        let boundaries = CpuBoundaries::new(&view.boundaries, on.threads())?;
         let build_seconds = start.elapsed().as_secs_f64();
         let by_tree = present.contains(Features::LIGHT_TREE) && required.samples_lights(present);
         let vertex = |index: u32| Vec3::from(view.positions[index as usize]);
@@ -134,6 +132,7 @@ impl CpuScene {
             rough_glass: RoughGlassTable::new(view)?,
             with_alpha: with_alpha(view, present),
             caster,
+            boundaries,
             features: required.features,
             present,
             roughest_caustic: roughest_caustic(view),
@@ -146,10 +145,15 @@ impl CpuScene {
         *self.largest_inradius.get_or_init(|| self.vertices.iter().map(clear_disc::inradius).fold(0.0, f32::max))
     }
 
+    /// Whether some medium scatters light, or is outside of all solids.
+    pub(crate) fn fills_space(&self) -> bool {
+        self.scatters || self.is_ambient || self.boundaries.is_some()
+    }
+
     /// Whether rays are traced in batches, as the ray caster prefers; never where a random word decides what a ray meets, or
-    /// in media that scatter light.
+    /// in media that scatter light or are outside of solids.
     pub(crate) fn traces_batches(&self) -> bool {
-        !self.scatters && !self.present.intersects(Features::RANDOM_SURFACES) && self.caster.prefers_batches()
+        !self.fills_space() && !self.present.intersects(Features::RANDOM_SURFACES) && self.caster.prefers_batches()
     }
 
     /// [`Self::hit`] for each ray.
@@ -376,10 +380,24 @@ impl CpuScene {
         &self.media[index as usize]
     }
 
+    /// The table of media.
+    #[inline]
+    pub(crate) fn media(&self) -> &[Medium] {
+        &self.media
+    }
+
+    /// Index of the medium of the solids in `media`.
+    #[inline]
+    pub(crate) fn solid(&self, media: MediumStack) -> u32 {
+        let current = media.current(&self.media);
+        // A segment has the solid below the medium that applies.
+        if self.media[current as usize].is_matched() { media.leave(current).current(&self.media) } else { current }
+    }
+
     /// Whether rays that start in `media` may cross a medium that absorbs or scatters light.
     #[inline]
     pub(crate) fn may_attenuate(&self, media: MediumStack) -> bool {
-        media != MediumStack::VACUUM || self.is_ambient
+        media != MediumStack::VACUUM || self.is_ambient || self.boundaries.is_some()
     }
 
     /// [`radiance_scale`] with the media of the scene.
@@ -393,6 +411,14 @@ impl CpuScene {
     pub(crate) fn light_media(&self, light: usize, back: bool) -> MediumStack {
         self.light_media.get(light).map_or(MediumStack::VACUUM, |sides| sides[usize::from(back)])
     }
+}
+
+/// A tree over triangles.
+pub(crate) fn accel(positions: &[[f32; 3]], triangles: &[[u32; 3]], threads: usize) -> Result<Accel> {
+    Accel::build_by(positions, triangles, threads).map_err(|error| match error {
+        AccelError::OutOfMemory(refused) => refused.into(),
+        other => Error::Backend { backend: "cpu: building the BVH", source: Box::new(other) },
+    })
 }
 
 /// [`CpuScene::with_alpha`].

@@ -75,7 +75,7 @@ impl TransportBackend for Cpu {
                 eye: Box::new(CpuEye {
                     max_bounces: settings.max_bounces,
                     hides_background: false,
-                    leaves: EyeQueries::Segments(segments_per_pixel(required.features)),
+                    leaves: EyeQueries::Segments(segments_per_pixel(required)),
                     terminator_offset: false,
                     caustic_roughness: None,
                     truncated: 0,
@@ -128,6 +128,7 @@ impl TransportBackend for Cpu {
             ("lights".to_owned(), bytes(scene.lights.len(), 64 + 4)),
             ("bvh".to_owned(), scene.caster.bytes()),
         ];
+        memory.extend(scene.boundaries.as_ref().map(|boundaries| ("boundaries".to_owned(), boundaries.bytes())));
         memory.extend(scene.shading_memory());
         memory.extend(self.noted_memory().iter().cloned());
         memory

@@ -5,8 +5,8 @@ use std::time::Instant;
 use bytemuck::Pod;
 use photon_core::glam::Vec3;
 use photon_core::{
-    Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, Spectrum, light_probability,
-    offset, parallel,
+    Boundaries, Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, Spectrum,
+    light_probability, offset, parallel,
 };
 use photon_scene::CompressedTree;
 
@@ -55,6 +55,17 @@ host_struct! {
         light_tree: u64,
         spectrum: u64,
         grids: u64,
+        boundaries: u64,
+    }
+}
+
+host_struct! {
+    /// `BoundariesRef` of scene.glsl.
+    struct BoundariesRef {
+        nodes: u64,
+        corners: u64,
+        scale: f32,
+        pad: u32,
     }
 }
 
@@ -91,10 +102,7 @@ impl VulkanScene {
             Some(built) => built,
             None => {
                 let start = Instant::now();
-                let tree = CompressedTree::build(view.positions, view.triangles).map_err(|source| Error::Backend {
-                    backend: "vulkan: building the BVH",
-                    source: Box::new(source),
-                })?;
+                let tree = tree(view.positions, view.triangles)?;
                 let seconds = start.elapsed().as_secs_f64();
                 (tree, seconds)
             }
@@ -136,6 +144,7 @@ impl VulkanScene {
                 0
             },
             grids: grids::upload(&mut upload, view)?,
+            boundaries: upload_boundaries(&mut upload, &view.boundaries)?,
         };
         let portals = match view.portals {
             [] => 0,
@@ -162,6 +171,32 @@ impl VulkanScene {
     pub(crate) fn bytes(&self) -> &[(&'static str, u64)] {
         &self.bytes
     }
+}
+
+fn tree(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<CompressedTree> {
+    CompressedTree::build(positions, triangles)
+        .map_err(|source| Error::Backend { backend: "vulkan: building the BVH", source: Box::new(source) })
+}
+
+/// Uploads boundaries with a tree of their own; returns the address of their record, 0 without any. `w` of a triangle's first
+/// vertex holds its index, of the second the medium behind it.
+fn upload_boundaries(upload: &mut Upload<'_>, view: &Boundaries<'_>) -> Result<u64> {
+    if view.is_empty() {
+        return Ok(0);
+    }
+    let tree = tree(view.positions, view.triangles)?;
+    let corners = |id: u32| {
+        let [a, b, c] = view.triangles[id as usize].map(|vertex| view.positions[vertex as usize]);
+        let with = |[x, y, z]: [f32; 3], w: u32| [x, y, z, f32::from_bits(w)];
+        [with(a, id), with(b, view.media[id as usize]), with(c, 0)]
+    };
+    let record = BoundariesRef {
+        nodes: upload.table("boundaries", &tree.nodes)?,
+        corners: upload.by_triangle("boundaries", &tree.order, corners)?,
+        scale: view.scale,
+        pad: 0,
+    };
+    upload.table("scene", &[record])
 }
 
 /// Three vertices; `w` of the first holds the index of the triangle, of the second its margin, of the third 1 if its

@@ -58,6 +58,7 @@ pub use requirements::map_kind::{MapKind, PerMap};
 pub use requirements::map_place::MapPlace;
 pub use requirements::photon_format::PhotonFormat;
 pub use requirements::{Requirements, light_features, material_features};
+pub use scene::boundaries::{Boundaries, Enclosing, boundary_crossing};
 pub use scene::camera::Camera;
 pub use scene::caster::{Hit, Ray, RayCaster, SkipLimit};
 pub use scene::environment::{EnvironmentMap, EnvironmentRow};

@@ -1,5 +1,6 @@
 //! [`SceneBuilder`]: assembles a scene from materials, meshes, lights and cameras.
 
+use crate::boundaries::BoundaryTables;
 use crate::describe::{
     AmbientMedium, CameraDesc, LightDesc, MaterialDesc, check_density, warn_of_clamped_anisotropy,
     warn_of_clamped_indices,
@@ -129,7 +130,7 @@ impl SceneBuilder {
         self.sun = Some(sun);
     }
 
-    /// Sets the medium around all solids, without bounds; replaces one that was set before.
+    /// Sets the medium around all solids; replaces one that was set before.
     pub fn medium(&mut self, medium: AmbientMedium) {
         self.medium = Some(medium);
     }
@@ -192,13 +193,13 @@ impl SceneBuilder {
     }
 
     /// Adds an even environment of radiance 1 if there are triangles and nothing emits light ([`Self::has_light`]), so that
-    /// a model by itself can be seen; a black environment that was described is kept, and none shines through an ambient medium.
+    /// a model by itself can be seen; a black environment that was described is kept, and none shines through a medium without bounds.
     /// Returns whether it did.
     ///
     /// # Errors
     /// As [`Self::environment_from`].
     pub fn light_if_dark(&mut self) -> Result<bool, SceneError> {
-        let is_clear = self.medium.is_none_or(|medium| medium.is_vacuum());
+        let is_clear = self.medium.is_none_or(|medium| medium.is_vacuum() || medium.bounds.is_some());
         let is_dark = !self.has_light() && self.environment_text.is_none() && self.bounds().is_some() && is_clear;
         if is_dark {
             self.environment_from(&EnvironmentDesc::constant([1.0; 3]))?;
@@ -215,6 +216,12 @@ impl SceneBuilder {
     /// [`SceneError`] for any value out of range; it names the material, mesh, light or camera.
     pub fn build(mut self) -> Result<Scene, SceneError> {
         validate::check(&self)?;
+        for mesh in &mut self.meshes {
+            let material = &mut self.materials[mesh.material.0 as usize];
+            if material.is_boundary() {
+                (mesh.attributes, material.textures) = Default::default();
+            }
+        }
         let mesh_names = self.meshes.iter().map(|mesh| Arc::clone(&mesh.name)).collect();
         let mesh_sources = order::sort_meshes(&mut self.meshes, &self.materials, &self.textures);
         shading::fold(&mut self.materials, &self.textures);
@@ -242,22 +249,25 @@ impl SceneBuilder {
                 "{repeated} triangles repeat others exactly, which rays meet instead, and were left out"
             ));
         }
+        let ambient = self.medium.as_ref();
+        let mut boundaries = BoundaryTables::new(&self.meshes, &self.materials, ambient, frame, &mut warnings);
         let radiances = shading::Radiances::new(source, &geometry);
         let lit = lights::table(
             lights::Sources { lights: &self.lights, sun: self.sun.as_ref(), environment: self.environment.as_ref() },
             &self.materials,
             &geometry,
-            frame,
+            (frame, geometry.radius.max(boundaries.radius)),
             radiances,
             &mut warnings,
         )?;
+        let ambient = ambient.filter(|medium| medium.bounds.is_none());
         let (mut materials, media, grids) =
-            lights::materials(&self.materials, self.medium.as_ref(), &geometry, &lit, frame)?;
+            lights::materials(&self.materials, (ambient, &mut boundaries), &geometry, &lit, frame)?;
         let portals = portals::table(&self, frame, geometry.radius)?;
         let shading = shading::tables(source, &geometry, &mut materials, &mut warnings);
         let units = Units { center: frame.center.to_array(), scale: frame.scale, power: lit.power };
         warn_of_radiance(units, &mut warnings);
-        if geometry.triangles.is_empty() {
+        if geometry.triangles.is_empty() && boundaries.view().is_empty() {
             warnings.push("the scene has no triangles, so that there is nothing to see".to_owned());
         }
         if geometry.invisible > 0 {
@@ -292,6 +302,7 @@ impl SceneBuilder {
             mesh_names,
             material_names: self.materials.into_iter().map(|material| material.name).collect(),
             materials,
+            boundaries,
             media,
             grids,
             lights: lit.lights,

@@ -48,6 +48,13 @@ pub enum Surface {
         /// Roughness, in `[0, 1]`: the square root of the width α of the distribution. Widths below 0.001 are smooth.
         roughness: f64,
     },
+    /// The boundary of a medium that has the refractive index of what is around it: mist, smoke, ink. Light passes it without
+    /// reflection, refraction or any other event. Its triangles must form a closed mesh whose fronts face outwards; meshes of
+    /// one medium may overlap. Surfaces may coincide with it.
+    Boundary {
+        /// As that of [`Surface::Dielectric`].
+        absorption: [f64; 3],
+    },
     /// A sheet without thickness, which light passes without change of direction if it is smooth; rough ones scatter what
     /// they transmit as they scatter what they reflect.
     Thin {
@@ -108,12 +115,14 @@ pub struct MaterialDesc {
     /// Whether the back emits too, not only the front.
     pub emits_both_sides: bool,
     /// Where solids overlap, the one of the highest priority applies; among equals, the one that light entered last.
-    /// Only for [`Surface::Dielectric`], and where [`Self::transmission_absorption`] makes a solid.
+    /// Of boundaries, the one with the highest priority absorbs and scatters light; among equals a solid, then the one
+    /// around the smallest volume. Only for [`Surface::Dielectric`] and [`Surface::Boundary`], and where
+    /// [`Self::transmission_absorption`] makes a solid.
     pub priority: u32,
     /// Formula of the refractive index by the wavelength; `None` if it does not depend on it. For solids alone, as [`Self::priority`].
     pub dispersion: Option<Dispersion>,
     /// Scattering coefficient inside, per user length, linear RGB, finite and ≥ 0: milk, wax, mist. Only for
-    /// [`Surface::Dielectric`].
+    /// [`Surface::Dielectric`] and [`Surface::Boundary`].
     pub scattering: [f64; 3],
     /// Directions of light scattered there.
     pub phase: PhaseDesc,
@@ -233,11 +242,10 @@ impl MaterialDesc {
         Self::new(name, Surface::Thin { ior, tint: [1.0; 3], roughness: 0.0 })
     }
 
-    /// The boundary of a medium of this absorption coefficient, as of [`Surface::Dielectric`], which neither reflects nor
-    /// refracts light: mist, smoke, ink. A dielectric of refractive index 1; light that passes it counts as a caustic.
+    /// A [`Surface::Boundary`] of a medium of this absorption coefficient.
     #[must_use]
     pub fn boundary(name: impl Into<String>, absorption: [f64; 3]) -> Self {
-        Self::new(name, Surface::Dielectric { ior: 1.0, absorption, tint: [1.0; 3], roughness: 0.0 })
+        Self::new(name, Surface::Boundary { absorption })
     }
 
     /// A diffuse surface whose front emits `radiance`, W/(m²·sr).
@@ -335,7 +343,7 @@ impl MaterialDesc {
     /// Refractive index of the surface, if it has one.
     pub(crate) fn ior(&self) -> Option<f64> {
         match self.surface {
-            Surface::Lambert { .. } | Surface::Mirror { .. } => None,
+            Surface::Lambert { .. } | Surface::Mirror { .. } | Surface::Boundary { .. } => None,
             Surface::Dielectric { ior, .. } | Surface::Thin { ior, .. } | Surface::Glossy { ior, .. } => Some(ior),
         }
     }
@@ -353,6 +361,11 @@ impl MaterialDesc {
     pub(crate) fn is_solid(&self) -> bool {
         let is_solid = |surface: &Surface| matches!(surface, Surface::Dielectric { .. });
         is_solid(&self.surface) || self.transmitting_surface().as_ref().is_some_and(is_solid)
+    }
+
+    /// Whether it is a [`Surface::Boundary`].
+    pub(crate) fn is_boundary(&self) -> bool {
+        matches!(self.surface, Surface::Boundary { .. })
     }
 
     /// Whether the materials differ in their names at most.
@@ -378,7 +391,10 @@ impl MaterialDesc {
                 ior == 1.0 && self.dispersion.is_none() && absorption == [0.0; 3] && tint == [1.0; 3]
             }
             Surface::Thin { ior, tint, .. } => ior == 1.0 && tint == [1.0; 3],
-            Surface::Lambert { .. } | Surface::Mirror { .. } | Surface::Glossy { .. } => false,
+            // Where media overlap, a clear one may be a cavity.
+            Surface::Boundary { .. } | Surface::Lambert { .. } | Surface::Mirror { .. } | Surface::Glossy { .. } => {
+                false
+            }
         };
         clear && self.scattering == [0.0; 3] && !self.is_emissive() && self.textures.base_color.is_none()
     }

@@ -70,6 +70,17 @@ pub(crate) enum MaterialExtras {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         sheen: Option<SheenExtras>,
     },
+    Boundary {
+        absorption: Triple,
+        #[serde(default)]
+        priority: u32,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        scattering: Option<Triple>,
+        #[serde(default, skip_serializing_if = "Exact::is_zero")]
+        anisotropy: Exact,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        phase: Option<PhaseExtras>,
+    },
     Glass {
         ior: Exact,
         absorption: Triple,
@@ -209,6 +220,13 @@ impl MaterialExtras {
                 emits_both_sides,
                 textures,
             },
+            Surface::Boundary { absorption } => Self::Boundary {
+                absorption: exact(absorption),
+                priority: *priority,
+                scattering: (desc.scattering != [0.0; 3]).then(|| exact(desc.scattering)),
+                anisotropy: PhaseExtras::new(desc.phase).0,
+                phase: PhaseExtras::new(desc.phase).1,
+            },
             Surface::Thin { ior, tint, roughness } => Self::Thin {
                 ior: Exact(ior),
                 tint: exact(tint),
@@ -239,23 +257,28 @@ impl MaterialExtras {
 
     /// The material, if its textures agree with those of the file.
     pub(crate) fn desc(self, name: String, found: TexturesDesc) -> Option<MaterialDesc> {
-        let (Self::Lambert { textures, .. }
-        | Self::Mirror { textures, .. }
-        | Self::Glass { textures, .. }
-        | Self::Thin { textures, .. }
-        | Self::Glossy { textures, .. }) = &self;
-        let textures = textures.as_ref().map_or(Some(found), |textures| textures.refine(found))?;
+        let textures = match &self {
+            Self::Boundary { .. } => None,
+            Self::Lambert { textures, .. }
+            | Self::Mirror { textures, .. }
+            | Self::Glass { textures, .. }
+            | Self::Thin { textures, .. }
+            | Self::Glossy { textures, .. } => textures.as_ref(),
+        };
+        let textures = textures.map_or(Some(found), |textures| textures.refine(found))?;
         // Priority and dispersion apply only to solids.
         let (transmission, absorption, priority, dispersion) = match &self {
             Self::Glossy { transmission: Some(found), .. } => {
                 (found.factor.0, found.absorption.map(plain), found.priority, found.dispersion)
             }
             Self::Glass { priority, dispersion, .. } => (0.0, None, *priority, *dispersion),
+            Self::Boundary { priority, .. } => (0.0, None, *priority, None),
             _ => (0.0, None, 0, None),
         };
         let dispersion = dispersion.map(DispersionExtras::plain);
         let (scattering, phase) = match &self {
-            Self::Glass { scattering, anisotropy, phase, .. } => {
+            Self::Glass { scattering, anisotropy, phase, .. }
+            | Self::Boundary { scattering, anisotropy, phase, .. } => {
                 (scattering.map_or([0.0; 3], plain), PhaseExtras::plain(*anisotropy, *phase))
             }
             _ => ([0.0; 3], PhaseDesc::default()),
@@ -300,6 +323,9 @@ impl MaterialExtras {
                     roughness: roughness.0,
                 };
                 (surface, emission, emits_both_sides)
+            }
+            Self::Boundary { absorption, .. } => {
+                (Surface::Boundary { absorption: plain(absorption) }, exact([0.0; 3]), false)
             }
             Self::Thin { ior, tint, roughness, emission, emits_both_sides, .. } => {
                 let surface = Surface::Thin { ior: ior.0, tint: plain(tint), roughness: roughness.0 };

@@ -5,6 +5,7 @@
 //! normalised space that backends read through [`Scene::view`].
 #![deny(unsafe_code)]
 
+mod boundaries;
 mod builder;
 mod builtin;
 mod bvh;

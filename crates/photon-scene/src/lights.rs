@@ -1,5 +1,6 @@
 //! The tables of lights and materials, with powers relative to the scene's total power.
 
+use crate::boundaries::BoundaryTables;
 use crate::describe::{
     AlphaMode, AmbientMedium, GridDesc, LightDesc, MaterialDesc, MediaTable, Surface, medium_record,
 };
@@ -50,12 +51,12 @@ pub(crate) struct Sources<'a> {
 ///
 /// Powers are first computed relative to the squared scale, which stays in the range of f64 even for a scene
 /// ten to the thirty times as large, while its watts might not. A triangle on which an emission texture is black is no
-/// light.
+/// light. Light from infinity shines on all within the radius `reach` of the origin.
 pub(crate) fn table(
     sources: Sources<'_>,
     materials: &[MaterialDesc],
     geometry: &Geometry,
-    frame: Frame,
+    (frame, reach): (Frame, f64),
     mut radiances: Radiances<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<Lit, SceneError> {
@@ -68,10 +69,10 @@ pub(crate) fn table(
         let flags = if material.emits_both_sides { Light::BOTH_SIDES } else { 0 };
         (Light { kind: Light::TRIANGLE, primitive, area: area as f32, flags, ..blank() }, power)
     });
-    let mut others: Vec<_> = sources.lights.iter().map(|(_, desc)| punctual(desc, geometry.radius, frame)).collect();
+    let mut others: Vec<_> = sources.lights.iter().map(|(_, desc)| punctual(desc, reach, frame)).collect();
     order::sort_lights(&mut others);
-    let sun = sources.sun.map(|sun| disc(sun, geometry.radius));
-    let sky = sources.environment.map(|map| infinite(map, geometry.radius));
+    let sun = sources.sun.map(|sun| disc(sun, reach));
+    let sky = sources.environment.map(|map| infinite(map, reach));
     let all: Vec<(Light, DVec3)> = triangles.chain(others).chain(sun).chain(sky).collect();
 
     let total: f64 = all.iter().map(|(_, power)| mean(*power)).sum();
@@ -174,7 +175,7 @@ fn mean(power: DVec3) -> f64 {
 /// order; and the table of media that they refer to, the ambient medium first.
 pub(crate) fn materials(
     descs: &[MaterialDesc],
-    ambient: Option<&AmbientMedium>,
+    (ambient, boundaries): (Option<&AmbientMedium>, &mut BoundaryTables),
     geometry: &Geometry,
     lit: &Lit,
     frame: Frame,
@@ -224,9 +225,10 @@ pub(crate) fn materials(
         })
         .collect();
     materials.extend(all_glass);
+    boundaries.enter(&mut media, descs);
     let count = media.solids();
     if count > MediumStack::MAX_MEDIA {
-        return Err(SceneError::TooMany { what: "different media of solids", count });
+        return Err(SceneError::TooMany { what: "different media", count });
     }
     let (media, grids) = media.build(frame)?;
     Ok((materials, media, grids))
@@ -272,6 +274,8 @@ fn surface<'a>(
             let roughness = roughness as f32;
             Material { albedo: colour(tint), ior, medium, roughness, ..of(MaterialKind::Dielectric) }
         }
+        // No triangle has it.
+        Surface::Boundary { .. } => of(MaterialKind::Lambert),
         Surface::Thin { ior, tint, roughness } => {
             Material { albedo: colour(tint), ior: ior as f32, roughness: roughness as f32, ..of(MaterialKind::Thin) }
         }

@@ -142,6 +142,10 @@ pub(crate) fn geometry(
         let first = geometry.triangles.len();
         geometry.mesh_starts.push(first as u32);
         let desc = &materials[mesh.material.0 as usize];
+        // Boundaries have tables of their own.
+        if desc.is_boundary() {
+            continue;
+        }
         if desc.is_invisible() && mesh.attributes.colors.is_empty() && !meets_a_solid(mesh, meshes, materials) {
             geometry.invisible += mesh.triangles.len() as u64;
             continue;

@@ -1,5 +1,6 @@
 //! A validated scene in normalised space.
 
+use crate::boundaries::BoundaryTables;
 use crate::describe::{CameraDesc, ThinLens};
 use crate::error::SceneError;
 use crate::{camera, validate};
@@ -22,6 +23,7 @@ pub struct Scene {
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) primitives: Vec<Primitive>,
     pub(crate) materials: Vec<Material>,
+    pub(crate) boundaries: BoundaryTables,
     pub(crate) media: Vec<Medium>,
     pub(crate) grids: OwnedGridTables,
     pub(crate) lights: Vec<Light>,
@@ -52,6 +54,7 @@ impl Scene {
             triangles: &self.triangles,
             primitives: &self.primitives,
             materials: &self.materials,
+            boundaries: self.boundaries.view(),
             media: &self.media,
             grids: self.grids.view(),
             lights: &self.lights,

@@ -28,12 +28,29 @@ pub(crate) fn warn(geometry: &Geometry, materials: &[MaterialDesc], warnings: &m
                 "the solid glass '{name}' is not closed: {open} edges have a triangle on one side only; light that \
                  enters may never leave; close it, or make the material thin"
             ));
-        } else if signed_volume(triangles()) < 0.0 {
+        } else if signed_volume(triangles().map(|corners| corners.map(|corner| corner.as_dvec3()))) < 0.0 {
             warnings.push(format!(
                 "the solid glass '{name}' is inside out: its triangles run clockwise as seen from outside; flip \
                  them"
             ));
         }
+    }
+}
+
+/// Warns of a boundary whose triangles have holes or face inwards.
+pub(crate) fn warn_of_boundary(name: &str, triangles: &[[DVec3; 3]], warnings: &mut Vec<String>) {
+    let edges = triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let open = open_edges(edges.map(|(from, to)| (place(from.as_vec3()), place(to.as_vec3()))));
+    if open > 0 {
+        warnings.push(format!(
+            "the boundary '{name}' is not closed: {open} edges have a triangle on one side only; light that passes there is \
+             not in its medium; close it"
+        ));
+    } else if signed_volume(triangles.iter().copied()) < 0.0 {
+        warnings.push(format!(
+            "the boundary '{name}' is inside out: its triangles run clockwise as seen from outside, so that nothing is inside; \
+             flip them"
+        ));
     }
 }
 
@@ -44,9 +61,6 @@ fn place(at: Vec3) -> [u32; 3] {
 }
 
 /// Volume enclosed by closed triangles, negative if they face inwards (divergence theorem).
-fn signed_volume(triangles: impl Iterator<Item = [Vec3; 3]>) -> f64 {
-    triangles
-        .map(|corners| corners.map(|corner| corner.as_dvec3()))
-        .map(|[a, b, c]: [DVec3; 3]| a.dot(b.cross(c)) / 6.0)
-        .sum()
+pub(crate) fn signed_volume(triangles: impl Iterator<Item = [DVec3; 3]>) -> f64 {
+    triangles.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }

@@ -72,6 +72,12 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
             not_negative("absorption", absorption)?;
             fractions("tint", tint)?;
         }
+        Surface::Boundary { absorption } => {
+            not_negative("absorption", absorption)?;
+            let hint = "a boundary changes the medium, and nothing else: leave it out";
+            require(!desc.is_emissive(), "emission", desc.emission, hint)?;
+            require(desc.alpha_mode == AlphaMode::Opaque, "the alpha mode", desc.alpha_mode, hint)?;
+        }
         Surface::Thin { ior, tint, roughness } => {
             require((0.0..=1.0).contains(&roughness), "roughness", roughness, "it must lie between 0 and 1")?;
             refractive(ior)?;
@@ -92,12 +98,12 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
     }
     not_negative("scattering", desc.scattering)?;
     desc.phase.fault().map_or(Ok(()), Err)?;
-    if desc.scattering != [0.0; 3] && !matches!(desc.surface, Surface::Dielectric { .. }) {
+    if desc.scattering != [0.0; 3] && !matches!(desc.surface, Surface::Dielectric { .. } | Surface::Boundary { .. }) {
         let hint = "light is scattered inside solid glass alone: make it glass or a boundary, or leave scattering out";
         return Err(("scattering", format!("{:?}", desc.scattering), hint));
     }
     if let Some(grid) = &desc.grid {
-        if !matches!(desc.surface, Surface::Dielectric { .. }) {
+        if !matches!(desc.surface, Surface::Dielectric { .. } | Surface::Boundary { .. }) {
             let hint = "densities fill solid glass alone: make it glass or a boundary, or leave the grid out";
             return Err(("grid", format!("one of {:?} cells", grid.cells), hint));
         }
@@ -146,6 +152,15 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
 fn ambient(medium: &AmbientMedium) -> Result<(), Fault> {
     not_negative("scattering", medium.scattering)?;
     not_negative("absorption", medium.absorption)?;
+    if let Some(corners @ [low, high]) = medium.bounds {
+        let is_box = (0..3).all(|axis| low[axis] < high[axis] && low[axis].is_finite() && high[axis].is_finite());
+        require(
+            is_box,
+            "box",
+            corners,
+            "it must have two corners of finite numbers, the first below the second in all three",
+        )?;
+    }
     medium.phase.fault().map_or(Ok(()), Err)
 }
 

@@ -53,6 +53,12 @@
 #define PM_MATERIAL_GLOSSY 4
 
 /**
+ * The boundary of mist, smoke or ink, which light passes without reflection, refraction or any other event: a closed mesh whose
+ * fronts face outwards.
+ */
+#define PM_MATERIAL_BOUNDARY 5
+
+/**
  * One refractive index for all light.
  */
 #define PM_DISPERSION_NONE 0
@@ -383,7 +389,7 @@ typedef struct PmMaterial {
    */
   double ior;
   /**
-   * Absorption inside of a dielectric (Beer-Lambert), 1/m, finite and at least 0.
+   * Absorption inside of a dielectric or boundary (Beer-Lambert), 1/m, finite and at least 0.
    */
   double absorption[3];
   /**
@@ -399,7 +405,7 @@ typedef struct PmMaterial {
    */
   double specular;
   /**
-   * Where solids overlap, the one with the highest priority counts (dielectric).
+   * Where solids and boundaries overlap, the one with the highest priority counts (dielectric, boundary).
    */
   uint32_t priority;
   /**
@@ -411,7 +417,7 @@ typedef struct PmMaterial {
    */
   double dispersion_terms[6];
   /**
-   * Scattering inside of a dielectric, 1/m, finite and at least 0: milk, wax; with an ior of 1, mist.
+   * Scattering inside of a dielectric or boundary, 1/m, finite and at least 0: milk, wax, mist.
    */
   double scattering[3];
   /**
@@ -584,7 +590,7 @@ typedef struct PmGrid {
 } PmGrid;
 
 /**
- * The medium around all solids, without bounds. Light from infinitely far away does not pass it.
+ * The medium around all solids. Light from infinitely far away does not pass one without bounds.
  */
 typedef struct PmMedium {
   /**
@@ -611,6 +617,10 @@ typedef struct PmMedium {
    * Phase function, one of PM_PHASE_….
    */
   uint32_t phase;
+  /**
+   * Lower and upper corner of the box that it fills, in m; all 0: without bounds.
+   */
+  double bounds[2][3];
 } PmMedium;
 
 /**

@@ -11,9 +11,9 @@ use photonmap::scene::{
 
 use crate::describe::{
     PM_DISPERSION_ABBE, PM_DISPERSION_CAUCHY, PM_DISPERSION_NONE, PM_DISPERSION_SELLMEIER, PM_LIGHT_DIRECTIONAL,
-    PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY, PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR,
-    PM_MATERIAL_THIN, PM_PHASE_HENYEY_GREENSTEIN, PM_PHASE_MIE, PM_PHASE_RAYLEIGH, PmCamera, PmGrid, PmLight,
-    PmMaterial, PmMedium, PmMesh,
+    PM_LIGHT_POINT, PM_LIGHT_SPOT, PM_MATERIAL_BOUNDARY, PM_MATERIAL_DIELECTRIC, PM_MATERIAL_GLOSSY,
+    PM_MATERIAL_LAMBERT, PM_MATERIAL_MIRROR, PM_MATERIAL_THIN, PM_PHASE_HENYEY_GREENSTEIN, PM_PHASE_MIE,
+    PM_PHASE_RAYLEIGH, PmCamera, PmGrid, PmLight, PmMaterial, PmMedium, PmMesh,
 };
 use crate::error::{Fault, PmStatus, Result, call, free};
 use crate::options::{self, PmLoadOptions};
@@ -130,11 +130,14 @@ pub unsafe extern "C" fn pm_builder_material(
                 specular: given.specular,
                 ior,
             },
-            kind => return Err(Fault::argument(format!("PmMaterial.kind is {kind}, but there are 0 to 4"))),
+            PM_MATERIAL_BOUNDARY => Surface::Boundary { absorption },
+            kind => return Err(Fault::argument(format!("PmMaterial.kind is {kind}, but there are 0 to 5"))),
         };
         let mut desc = MaterialDesc::new(name.unwrap_or_default(), surface).with_priority(given.priority);
-        desc.emission = given.emission;
-        desc.emits_both_sides = given.emits_both_sides != 0;
+        if given.kind != PM_MATERIAL_BOUNDARY {
+            desc.emission = given.emission;
+            desc.emits_both_sides = given.emits_both_sides != 0;
+        }
         let terms = given.dispersion_terms;
         let dispersion = match given.dispersion {
             PM_DISPERSION_NONE => None,
@@ -148,7 +151,7 @@ pub unsafe extern "C" fn pm_builder_material(
         if let Some(dispersion) = dispersion.filter(|_| refracts) {
             desc = desc.with_dispersion(dispersion);
         }
-        if given.kind == PM_MATERIAL_DIELECTRIC {
+        if matches!(given.kind, PM_MATERIAL_DIELECTRIC | PM_MATERIAL_BOUNDARY) {
             let phase = phase("PmMaterial", given.phase, given.anisotropy, given.droplet_micrometres)?;
             desc = desc.with_scattering(given.scattering, phase);
         }
@@ -313,7 +316,10 @@ pub unsafe extern "C" fn pm_builder_medium(builder: *mut PmBuilder, medium: *con
         // SAFETY: the caller's handle and struct.
         let (builder, given) = unsafe { (pointer::exclusive(builder, "builder")?, pointer::read(medium)?) };
         let phase = phase("PmMedium", given.phase, given.anisotropy, given.droplet_micrometres)?;
-        builder.scene.medium(AmbientMedium::new(given.scattering, given.absorption).with_phase(phase));
+        let medium = AmbientMedium::new(given.scattering, given.absorption).with_phase(phase);
+        let [low, high] = given.bounds;
+        let is_bounded = given.bounds != [[0.0; 3]; 2];
+        builder.scene.medium(if is_bounded { medium.with_bounds(low, high) } else { medium });
         Ok(())
     })
 }

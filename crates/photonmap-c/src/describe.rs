@@ -14,6 +14,9 @@ pub const PM_MATERIAL_DIELECTRIC: u32 = 2;
 pub const PM_MATERIAL_THIN: u32 = 3;
 /// Rough reflection (GGX): the metallic-roughness model of glTF 2.0.
 pub const PM_MATERIAL_GLOSSY: u32 = 4;
+/// The boundary of mist, smoke or ink, which light passes without reflection, refraction or any other event: a closed mesh whose
+/// fronts face outwards.
+pub const PM_MATERIAL_BOUNDARY: u32 = 5;
 
 /// One refractive index for all light.
 pub const PM_DISPERSION_NONE: u32 = 0;
@@ -50,7 +53,7 @@ pub struct PmMaterial {
     pub emission: [f64; 3],
     /// Refractive index, relative to vacuum (dielectric, thin; coat of glossy), finite and above 0.
     pub ior: f64,
-    /// Absorption inside of a dielectric (Beer-Lambert), 1/m, finite and at least 0.
+    /// Absorption inside of a dielectric or boundary (Beer-Lambert), 1/m, finite and at least 0.
     pub absorption: [f64; 3],
     /// Roughness in [0, 1] (dielectric, thin, glossy); 0 is smooth.
     pub roughness: f64,
@@ -58,13 +61,13 @@ pub struct PmMaterial {
     pub metallic: f64,
     /// Factor on the reflection of the coat in [0, 1], usually 1 (glossy).
     pub specular: f64,
-    /// Where solids overlap, the one with the highest priority counts (dielectric).
+    /// Where solids and boundaries overlap, the one with the highest priority counts (dielectric, boundary).
     pub priority: u32,
     /// Formula of the refractive index by the wavelength, one of PM_DISPERSION_… (dielectric; an error for thin).
     pub dispersion: u32,
     /// Its numbers.
     pub dispersion_terms: [f64; 6],
-    /// Scattering inside of a dielectric, 1/m, finite and at least 0: milk, wax; with an ior of 1, mist.
+    /// Scattering inside of a dielectric or boundary, 1/m, finite and at least 0: milk, wax, mist.
     pub scattering: [f64; 3],
     /// Mean cosine of that scattering, in (-1, 1): 0 is even (PM_PHASE_HENYEY_GREENSTEIN).
     pub anisotropy: f64,
@@ -74,7 +77,7 @@ pub struct PmMaterial {
     pub phase: u32,
 }
 
-/// The medium around all solids, without bounds. Light from infinitely far away does not pass it.
+/// The medium around all solids. Light from infinitely far away does not pass one without bounds.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct PmMedium {
@@ -90,6 +93,8 @@ pub struct PmMedium {
     pub droplet_micrometres: f64,
     /// Phase function, one of PM_PHASE_….
     pub phase: u32,
+    /// Lower and upper corner of the box that it fills, in m; all 0: without bounds.
+    pub bounds: [[f64; 3]; 2],
 }
 
 /// Densities by which the scattering and absorption inside of a dielectric are multiplied: smoke, clouds. They are trilinear

@@ -1,6 +1,6 @@
 //! Export to Mitsuba 3 (Jakob et al. 2022): an XML file, and a PLY file for each material.
 //!
-//! Each boundary of a solid is exported as one against vacuum: nested solids are not expressed. User space, radiance in
+//! Each boundary of a medium is exported as one against the ambient medium: nested ones are not expressed. User space, radiance in
 //! W/(m²·sr), linear RGB. Surfaces scatter on both sides, as here. What Mitsuba handles differently is a warning, what
 //! it cannot express an error.
 
@@ -77,6 +77,14 @@ pub fn write(path: &Path, scene: &Scene, camera: &Camera, size: (u32, u32)) -> R
             written.meshes += 1;
             let file = format!("{folder_name}/{name}");
             text += &shape(scene, (material_name, material), &file, &mut written.warnings)?;
+        }
+    }
+    for index in 1..view.media.len() as u32 {
+        let name = format!("boundary-{index}.ply");
+        if ply::write_boundary(scene, index, &folder.join(&name))? > 0 {
+            written.meshes += 1;
+            let file = format!("{folder_name}/{name}");
+            text += &boundary(scene, index, &file, &mut written.warnings);
         }
     }
     text += &environment::emitter(scene, &folder, &folder_name)?;
@@ -259,6 +267,18 @@ fn shape(
     }
     text += "    </shape>\n";
     Ok(text)
+}
+
+/// The boundary of the medium with this index.
+fn boundary(scene: &Scene, medium: u32, file: &str, warnings: &mut Vec<String>) -> String {
+    let inside = scene.view().media[medium as usize];
+    if inside.priority > 0 {
+        warnings.push(format!("the priority {} of a boundary has no effect in Mitsuba", inside.priority));
+    }
+    let mut text = String::from("    <shape type=\"ply\">\n");
+    let _ = writeln!(text, "        <string name=\"filename\" value=\"{}\"/>", escaped(file));
+    let _ = writeln!(text, "        <bsdf type=\"null\"/>");
+    text + &medium::sides(scene, &inside) + "    </shape>\n"
 }
 
 /// The emitter of a light; empty for triangles, which are exported as shapes, and for the environment.

@@ -85,6 +85,7 @@ pub(super) fn groups() -> Vec<Group> {
                 ("FLIGHT_FAR", flight::FAR.into()),
                 ("FLIGHT_MAX_COLLISIONS", flight::MAX_COLLISIONS.into()),
                 ("FLIGHT_FOCUSED_DEPOSITS", flight::FOCUSED_DEPOSITS.into()),
+                ("FLIGHT_SHORTEST_STRETCH", flight::SHORTEST_STRETCH.into()),
             ],
         ),
         (

@@ -268,6 +268,9 @@ impl Eye<'_> {
                 return None;
             }
             let is_hidden = self.hides_background && path.surfaces == 0;
+            if QUERIES == POINTS && self.scene.boundaries.is_some() {
+                path.throughput *= self.scene.attenuation(&path.ray, f32::INFINITY, path.media);
+            }
             if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && QUERIES == POINTS) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media, path.wavelength);

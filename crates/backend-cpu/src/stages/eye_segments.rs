@@ -22,15 +22,19 @@ pub(super) fn leave(eye: &Eye<'_>, path: &Path, media: MediumStack, end: End, pi
     let (scene, direction) = (eye.scene, path.ray.direction);
     let start = if path.start.dot(direction) < 0.0 { -path.start } else { path.start };
     let camera = MediumStack::from_bits(eye.view.camera.media);
+    let solid = scene.solid(media);
+    let mut throughput = path.throughput * scene.radiance_scale(camera, media, path.wavelength);
     for stretch in scene.stretches(&path.ray, end.distance, media) {
         let length = stretch.to - stretch.from;
-        if !scene.medium_at(stretch.medium).scatters() || !(length > 0.0) || path.throughput == Vec3::ZERO {
-            continue;
+        if scene.medium_at(stretch.medium).scatters() && length > 0.0 && throughput != Vec3::ZERO {
+            let origin = path.ray.origin + direction * stretch.from;
+            let planes = [stretch.planes[0].unwrap_or(start), stretch.planes[1].unwrap_or(end.normal)];
+            // The medium that applies, above that of the solid if they differ.
+            let media = MediumStack::in_medium(solid);
+            let media = if stretch.medium == solid { media } else { media.enter(stretch.medium) };
+            queries.push(Segment { origin, direction, length, planes, media, throughput }.query(pixel, 0));
         }
-        let throughput = path.throughput * scene.radiance_scale(camera, media, path.wavelength);
-        let origin = path.ray.origin + direction * stretch.from;
-        let planes = [start, end.normal];
-        queries.push(Segment { origin, direction, length, planes, media, throughput }.query(pixel, 0));
+        throughput *= scene.stretch_transmittance(&path.ray, &stretch);
     }
 }
 
@@ -82,5 +86,5 @@ fn weight(eye: &Eye<'_>, query: &Query) -> f32 {
 /// A segment as a ray and the whole of it, in the medium with this index.
 fn along(segment: &Segment, medium: u32) -> (Ray, Stretch) {
     let ray = Ray { origin: segment.origin, direction: segment.direction, t_max: segment.length };
-    (ray, Stretch { from: 0.0, to: segment.length, medium })
+    (ray, Stretch { from: 0.0, to: segment.length, medium, planes: [None; 2] })
 }

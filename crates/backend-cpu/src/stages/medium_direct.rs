@@ -13,7 +13,7 @@ use photon_core::{
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
-use crate::stages::light_sample::{Target, intensity};
+use crate::stages::light_sample::{Target, intensity, sample};
 
 /// Traces shadow rays from places on segments to points on the lights.
 #[derive(Debug)]
@@ -70,11 +70,13 @@ fn scattered(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3]
     sum.map(|sum| sum / f64::from(rays))
 }
 
-/// Power of a light over the squared distance of the segment from its middle. Light from infinity reaches no medium: solids are
-/// in its way, and nothing passes a medium without bounds.
+/// Power of a light over the squared distance of the segment from its middle; of light from infinity, what gives the same
+/// irradiance.
 fn weight(scene: &CpuScene, light: &Light, segment: &Segment) -> f32 {
     let middle = match light.kind {
-        Light::DIRECTIONAL | Light::ENVIRONMENT => return 0.0,
+        Light::DIRECTIONAL | Light::ENVIRONMENT => {
+            return 4.0 * light.power.iter().sum::<f32>() / (light.radius * light.radius);
+        }
         Light::TRIANGLE => {
             let [a, b, c] = scene.vertices[light.primitive as usize];
             (a + b + c) / 3.0
@@ -94,6 +96,20 @@ struct Choice {
     place: f32,
 }
 
+/// A place on a segment: the column up to there, and the density relative to the largest.
+struct Place {
+    column: f32,
+    local: f32,
+}
+
+impl Place {
+    fn new(columns: Option<&Columns<'_>>, distance: f32) -> Self {
+        let (column, local) =
+            columns.map_or((distance, 1.0), |columns| (columns.to(distance), columns.density(distance)));
+        Self { column, local }
+    }
+}
+
 /// Radiance by way of a place on the segment and a point on `light`, over the density of both.
 fn from_light(
     scene: &CpuScene,
@@ -102,26 +118,33 @@ fn from_light(
     choice: &Choice,
     alpha: impl FnOnce() -> u32,
 ) -> Vec3 {
-    let Some(mut target) = Target::evenly(scene, light, choice.point) else { return Vec3::ZERO };
     let place = choice.place;
-    let (_, medium) = scene.medium(segment.media);
-    let extinction = medium.extinction();
-    let mean = extinction.element_sum() / 3.0;
-    let angles = Equiangular::new(segment.origin, segment.direction, segment.length, target.to);
+    let mean = scene.medium(segment.media).1.extinction().element_sum() / 3.0;
     let whole = columns.map_or(segment.length, Columns::total);
-    // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
-    let distance = if place < 0.5 {
-        angles.sample(2.0 * place).min(segment.length)
-    } else {
-        let column = exponential(mean, whole, 2.0 * place - 1.0);
+    let at = |distance: f32| segment.origin + segment.direction * distance;
+    let by_column = |u: f32| {
+        let column = exponential(mean, whole, u);
         columns.map_or(column, |columns| columns.place(column))
     };
-    let (column, local) = columns.map_or((distance, 1.0), |columns| (columns.to(distance), columns.density(distance)));
-    if local == 0.0 {
+    let Some(mut target) = Target::evenly(scene, light, choice.point) else {
+        let distance = by_column(place);
+        let place = Place::new(columns, distance);
+        let sampled = sample::<true>(scene, light, at(distance), None, choice.point);
+        let Some(sampled) = sampled.filter(|_| place.local > 0.0) else { return Vec3::ZERO };
+        // The local density is that of places too.
+        let light = sampled.times(1.0) / exponential_density(mean, whole, place.column);
+        return scattered_at(scene, segment, place.column, &sampled.ray, light, alpha);
+    };
+    let angles = Equiangular::new(segment.origin, segment.direction, segment.length, target.to);
+    // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
+    let distance =
+        if place < 0.5 { angles.sample(2.0 * place).min(segment.length) } else { by_column(2.0 * place - 1.0) };
+    let place = Place::new(columns, distance);
+    if place.local == 0.0 {
         return Vec3::ZERO;
     }
-    let density = 0.5 * (angles.density(distance) + local * exponential_density(mean, whole, column));
-    let from = segment.origin + segment.direction * distance;
+    let density = 0.5 * (angles.density(distance) + place.local * exponential_density(mean, whole, place.column));
+    let from = at(distance);
     if light.flags & Light::BOTH_SIDES != 0 && target.front.dot(from - target.to) < 0.0 {
         target.front = -target.front;
     }
@@ -136,18 +159,31 @@ fn from_light(
     let far = squared.sqrt();
     let ray = Ray { origin: from, direction: gap / far, t_max: far };
     let intensity = intensity::<true>(scene, light, &target, ray.direction);
-    if intensity == Vec3::ZERO {
+    scattered_at(scene, segment, place.column, &ray, intensity * (place.local / (squared * density)), alpha)
+}
+
+/// Radiance at the start of a segment that is scattered beyond a column of it, of `light` that arrives along a shadow ray.
+fn scattered_at(
+    scene: &CpuScene,
+    segment: &Segment,
+    column: f32,
+    ray: &Ray,
+    light: Vec3,
+    alpha: impl FnOnce() -> u32,
+) -> Vec3 {
+    if light == Vec3::ZERO {
         return Vec3::ZERO;
     }
     let is_hidden = if scene.present.intersects(Features::RANDOM_SURFACES) {
-        scene.occluded_with::<true>(&ray, alpha)
+        scene.occluded_with::<true>(ray, alpha)
     } else {
-        scene.occluded_with::<false>(&ray, || 0)
+        scene.occluded_with::<false>(ray, || 0)
     };
     if is_hidden {
         return Vec3::ZERO;
     }
+    let (_, medium) = scene.medium(segment.media);
     let phase = Phase::of(medium).value(ray.direction, segment.direction);
-    let passes = flight::transmittance(medium, column) * scene.transmittance(&ray, far, segment.media);
-    intensity * Vec3::from(medium.scattering) * passes * (local * phase / (squared * density))
+    let passes = flight::transmittance(medium, column) * scene.transmittance(ray, ray.t_max, segment.media);
+    light * Vec3::from(medium.scattering) * passes * phase
 }

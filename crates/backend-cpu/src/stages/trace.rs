@@ -106,8 +106,8 @@ impl Tracer<Cpu> for CpuTracer {
             (true, false) if self.aimed => follow::<{ SHADED | BATCHED | AIMED }>,
             (true, false) => follow::<{ SHADED | BATCHED }>,
             (false, true) => follow::<REFLECTIONS>,
-            (false, false) if scene.scatters && self.aimed => follow::<{ SCATTERING | AIMED }>,
-            (false, false) if scene.scatters => follow::<SCATTERING>,
+            (false, false) if scene.fills_space() && self.aimed => follow::<{ SCATTERING | AIMED }>,
+            (false, false) if scene.fills_space() => follow::<SCATTERING>,
             (false, false) => kernel(self.features, (self.nested, scene.disperses), self.aimed),
         };
         let all_lights = self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic);

@@ -17,8 +17,8 @@ use crate::{Vulkan, shaders};
 
 specialized!(media_constants: MediaConstants => PROBE_MEDIA, 2 function: u32, 3 media: MediaFeatures; default shared_groups);
 
-/// All features of media without grids of densities.
-const HOMOGENEOUS: MediaFeatures = MediaFeatures::ALL.difference(MediaFeatures::GRIDS);
+/// All features of media without the tables that the scene of the probe has not: grids of densities and boundaries.
+const HOMOGENEOUS: MediaFeatures = MediaFeatures::ALL.difference(MediaFeatures::GRIDS.union(MediaFeatures::BOUNDARIES));
 
 /// Coefficients of Sellmeier's formula.
 const BK7: [f32; 6] = [1.039_612, 0.231_792_34, 1.010_469_4, 0.006_000_698_7, 0.020_017_914, 103.560_65];

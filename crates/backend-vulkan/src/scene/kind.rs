@@ -40,10 +40,12 @@ impl SceneKind {
         let unlit = if Self::has_light_tree(present, required) { Features::NONE } else { Features::LIGHT_TREE };
         // A lens is the view's: camera kernels add it.
         let absent = WITH_TABLES.without(present).union(unlit).union(Features::THIN_LENS);
+        let unbounded = if view.boundaries.is_empty() { MediaFeatures::BOUNDARIES } else { MediaFeatures::NONE };
         let lights = view.lights.len() as u32;
         Self {
             features: required.features.without(absent),
-            media: required.media,
+            // Without any, their table is not there.
+            media: required.media.difference(unbounded),
             weighed: if (2..=MAX_LIGHTS).contains(&lights) { lights } else { 0 },
             light_groups: LightGroups::new(view),
             has_vertex_normals: !view.shading.normals.is_empty(),

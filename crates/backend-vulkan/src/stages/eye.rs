@@ -149,7 +149,7 @@ impl EyePaths {
         Self {
             hides_background: false,
             reflections: false,
-            segments: segments_per_pixel(required.features),
+            segments: segments_per_pixel(required),
             terminator_offset: false,
             caustic_roughness: None,
         }

@@ -49,7 +49,7 @@ pub(super) fn check_media(scene: &SceneView<'_>, settings: &Settings) -> Result<
         return Err(Error::InvalidSetting {
             name: "[medium]",
             value: "without bounds, in a scene with light from infinity".into(),
-            hint: "no such light would arrive: put the medium into a solid (kind = \"glass\", ior = 1), or use other lights",
+            hint: "no such light would arrive: give it a box (box = [[x, y, z], [x, y, z]]), or use other lights",
         });
     }
     if !media.contains(MediaFeatures::SCATTERING) {
@@ -70,7 +70,7 @@ pub(super) fn check_media(scene: &SceneView<'_>, settings: &Settings) -> Result<
     if settings.direct == Direct::Photons {
         return refuse("direct", "photons", "light of lights in media is found by shadow rays: use --direct nee");
     }
-    if settings.transparent_background && media.contains(MediaFeatures::AMBIENT) {
+    if settings.transparent_background && media.intersects(MediaFeatures::AMBIENT.union(MediaFeatures::BOUNDARIES)) {
         return refuse("transparent-background", "true", "fog hides what is behind it: leave it out");
     }
     if settings.indirect == Indirect::Gather {

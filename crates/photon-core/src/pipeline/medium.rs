@@ -6,17 +6,21 @@ use crate::backend::stages::{BeamParams, Pass};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::radii;
+use crate::requirements::Requirements;
 use crate::requirements::features::Features;
 use crate::scene::layout::Estimate;
+use crate::scene::media::MediaFeatures;
 
 /// Search radius of the first estimates of the pilot, normalised: a fiftieth of the scene.
 const FIRST_RADIUS: f32 = 0.02;
 
 /// Maximum number of segments of a pixel: its camera path has one up to its first surface, and more only beyond surfaces that
-/// it passes or is reflected by.
+/// it passes or is reflected by, and where it crosses boundaries.
 #[must_use]
-pub fn segments_per_pixel(features: Features) -> u32 {
-    if features.intersects(Features::SPECULAR.union(Features::FOLLOWED)) { QUERIES_PER_PIXEL } else { 1 }
+pub fn segments_per_pixel(required: &Requirements) -> u32 {
+    let is_divided = required.media.contains(MediaFeatures::BOUNDARIES);
+    let goes_on = required.features.intersects(Features::SPECULAR.union(Features::FOLLOWED));
+    if is_divided || goes_on { QUERIES_PER_PIXEL } else { 1 }
 }
 
 impl<B: TransportBackend> Pipeline<B> {

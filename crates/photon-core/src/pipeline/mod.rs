@@ -238,7 +238,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let format = if has_full_photons { PhotonFormat::Full } else { required.photon_format };
         // Two copies, in slots and compacted, and their estimates.
         let segment = (2 * size_of::<Query>() + size_of::<Estimate>()) as u64;
-        let segments = stages.media.as_ref().map_or(0, |_| u64::from(medium::segments_per_pixel(required.features)));
+        let segments = stages.media.as_ref().map_or(0, |_| u64::from(medium::segments_per_pixel(&required)));
         let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);
         let plan = match settings.memory {
             Some(cap) => {

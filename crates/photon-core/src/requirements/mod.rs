@@ -17,7 +17,7 @@ use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::media::MediaFeatures;
 use crate::scene::medium::Medium;
-use crate::scene::solids::Solids;
+use crate::scene::solids::{Solids, boundary_media};
 use crate::scene::texture::{MaterialTextures, ShadingTables};
 use crate::settings::{CausticPhotons, Direct, Indirect, Settings};
 use crate::shading::light_sampler::MAX_LIGHTS;
@@ -147,7 +147,7 @@ impl Requirements {
         Err(Error::InvalidSetting {
             name: "the media features of the stages",
             value: self.media.to_string(),
-            hint: "solids of this scene are nested, overlap or disperse light; derive the requirements from this scene",
+            hint: "media of this scene are nested, have boundaries, scatter or disperse light; derive the requirements from it",
         })
     }
 
@@ -175,7 +175,8 @@ impl Features {
         let materials = scene.materials_in_use().map(|material| material_features(material, scene));
         let all = materials.chain(scene.lights.iter().map(light_features)).fold(Self::NONE, Self::union);
         let is_ambient = scene.media.first().is_some_and(Medium::attenuates);
-        let ambient = if is_ambient { Self::ABSORPTION } else { Self::NONE };
+        let is_bounded = boundary_media(scene).any(Medium::attenuates);
+        let ambient = if is_ambient || is_bounded { Self::ABSORPTION } else { Self::NONE };
         let lit = if scene.lights.is_empty() { Self::TEXTURED_LIGHTS } else { Self::NONE };
         let many = if scene.lights.len() > MAX_LIGHTS { Self::LIGHT_TREE } else { Self::NONE };
         let portals = !scene.portals.is_empty() && all.intersects(Self::INFINITE_LIGHTS);

@@ -38,6 +38,7 @@ impl SceneView<'_> {
             triangles,
             primitives,
             materials,
+            boundaries,
             media,
             grids,
             lights,
@@ -67,6 +68,12 @@ impl SceneView<'_> {
         digest.table(triangles);
         digest.table(primitives);
         digest.table(materials);
+        if !boundaries.is_empty() {
+            digest.table(boundaries.positions);
+            digest.table(boundaries.triangles);
+            digest.table(boundaries.media);
+            digest.table(&[boundaries.scale]);
+        }
         digest.table(media);
         digest.table(lights);
         digest.table(light_cdf);

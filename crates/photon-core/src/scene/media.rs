@@ -126,11 +126,14 @@ bitflags! {
         const PHASES = 16;
         /// Some medium has a grid of densities: [`crate::GridTables`].
         const GRIDS = 32;
+        /// Some media have boundaries that light passes unchanged: [`crate::Boundaries`].
+        const BOUNDARIES = 64;
     }
 }
 
 impl MediaFeatures {
-    /// The bounding boxes of no two solids overlap, nothing disperses or scatters light, and around solids is a vacuum.
+    /// The bounding boxes of no two solids overlap, nothing disperses or scatters light, and around solids is a vacuum
+    /// without boundaries.
     pub const NONE: Self = Self::empty();
     /// All features.
     pub const ALL: Self = Self::all();
@@ -138,7 +141,7 @@ impl MediaFeatures {
 
 impl fmt::Display for MediaFeatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = ["nested", "dispersion", "scattering", "ambient", "phases", "grids"];
+        let names = ["nested", "dispersion", "scattering", "ambient", "phases", "grids", "boundaries"];
         let present = names.into_iter().zip(Self::ALL).filter(|&(_, flag)| self.contains(flag));
         let listed: Vec<&str> = present.map(|(name, _)| name).collect();
         f.write_str(if listed.is_empty() { "none" } else { "" })?;

@@ -20,7 +20,7 @@ pub struct Medium {
     /// entered last.
     pub priority: u32,
     /// Formula of the refractive index by wavelength: 0, [`Medium::CAUCHY`] or [`Medium::SELLMEIER`]. With 0 it is
-    /// [`Self::ior`] at all wavelengths.
+    /// [`Self::ior`] at all wavelengths; with [`Medium::MATCHED`] that of the solid around it.
     pub dispersion: u32,
     /// Its coefficients, for wavelengths in micrometres: A, B; or B1, B2, B3, C1, C2, C3.
     pub terms: [f32; 6],
@@ -51,6 +51,8 @@ impl Medium {
     pub const CAUCHY: u32 = 1;
     /// [`Self::dispersion`]: n² = 1 + Σ Bλ²/(λ² − C).
     pub const SELLMEIER: u32 = 2;
+    /// [`Self::dispersion`]: light does not notice the boundary. Its [`Self::ior`] is 1, and means nothing.
+    pub const MATCHED: u32 = 3;
     /// [`Self::phase`]: particles much smaller than the wavelength.
     pub const RAYLEIGH: u32 = 1;
     /// [`Self::phase`]: droplets of water.
@@ -112,7 +114,14 @@ impl Medium {
     #[inline]
     #[must_use]
     pub const fn is_dispersive(&self) -> bool {
-        self.dispersion != 0
+        self.dispersion == Self::CAUCHY || self.dispersion == Self::SELLMEIER
+    }
+
+    /// Whether it is that of one of [`crate::Boundaries`].
+    #[inline]
+    #[must_use]
+    pub const fn is_matched(&self) -> bool {
+        self.dispersion == Self::MATCHED
     }
 
     /// Refractive index at a wavelength, at least 1 if it depends on it; [`Self::ior`] without a wavelength.

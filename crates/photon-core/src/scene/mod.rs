@@ -1,5 +1,6 @@
 //! The scene as a backend sees it: borrowed slices.
 
+pub(crate) mod boundaries;
 pub(crate) mod camera;
 pub(crate) mod caster;
 mod digest;
@@ -19,6 +20,7 @@ pub(crate) mod solids;
 pub(crate) mod texture;
 pub(crate) mod units;
 
+use crate::scene::boundaries::Boundaries;
 use crate::scene::environment::EnvironmentMap;
 use crate::scene::grid::GridTables;
 use crate::scene::light::Light;
@@ -45,6 +47,8 @@ pub struct SceneView<'a> {
     pub primitives: &'a [Primitive],
     /// Indexed by [`Primitive::material`].
     pub materials: &'a [Material],
+    /// Boundaries of media that light passes unchanged.
+    pub boundaries: Boundaries<'a>,
     /// Indexed by [`Material::medium`]; the first is [`Medium::VACUUM`], and at most 255 others follow.
     pub media: &'a [Medium],
     /// Densities of media that differ from place to place.
@@ -77,6 +81,7 @@ impl Default for SceneView<'_> {
             triangles: &[],
             primitives: &[],
             materials: &[],
+            boundaries: Boundaries::default(),
             media: &[Medium::VACUUM],
             grids: GridTables::default(),
             lights: &[],

@@ -3,6 +3,7 @@
 use super::SceneView;
 use crate::error::{Error, Result};
 use crate::parallel;
+use crate::scene::boundaries::Boundaries;
 use crate::scene::grid::{Grid, GridTables};
 use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind};
@@ -47,6 +48,18 @@ impl SceneView<'_> {
             require((0.0..=1.0).contains(density), || format!("it is {density}; it must be from 0 to 1"))
         })?;
         each("brick", self.grids.bricks, |&brick| check_brick(brick, self.grids.densities.len()))?;
+        each("vertex of a boundary", self.boundaries.positions, |&position| {
+            require(position.iter().all(|c| c.abs() <= MAX_RADIUS), || {
+                format!("{position:?} must be finite, within ±16")
+            })
+        })?;
+        each("triangle of a boundary", self.boundaries.triangles, |&corners| {
+            check_indices(corners, self.boundaries.positions.len())
+        })?;
+        each("medium of a boundary", self.boundaries.media, |&medium| {
+            index("medium", medium, self.media.len())?;
+            require(self.media[medium as usize].is_matched(), || format!("medium {medium} is not Medium::MATCHED"))
+        })?;
         each("material", self.materials, |material| check_material(material, self.media))?;
         each("light", self.lights, |light| check_light(light, self.triangles.len(), self.radius))?;
         each("portal", self.portals, |portal| check_portal(portal, self.radius))?;
@@ -83,13 +96,21 @@ fn whole(view: &SceneView<'_>) -> Result<()> {
         let value = format!("{primitives} for {triangles} triangles");
         return invalid("the number of primitives", value, "every triangle needs one");
     }
+    let Boundaries { triangles, media, scale, .. } = view.boundaries;
+    if media.len() != triangles.len() {
+        let value = format!("{} for {} triangles", media.len(), triangles.len());
+        return invalid("the number of media of boundaries", value, "every triangle needs one");
+    }
+    if !(scale.is_normal() && scale >= 1.0 && scale.to_bits() & 0x007F_FFFF == 0) {
+        return invalid("the scale of boundaries", scale.to_string(), "it must be a power of two, at least 1");
+    }
     let (lights, starts) = (view.lights.len(), view.light_cdf.len());
     if starts != lights {
         let value = format!("{starts} for {lights} lights");
         return invalid("the length of light_cdf", value, "fill it in with photon_core::light_cdf");
     }
     let media = view.media.len();
-    let is_ambient = |first: &Medium| first.ior == 1.0 && first.priority == 0 && !first.is_dispersive();
+    let is_ambient = |first: &Medium| first.ior == 1.0 && first.priority == 0 && first.dispersion == 0;
     if !view.media.first().is_some_and(is_ambient) || media > MediumStack::MAX_MEDIA + 1 {
         let value = format!("a table of {media}");
         let hint =
@@ -184,7 +205,7 @@ fn check_medium(medium: &Medium) -> Check {
     require(medium.ior.is_normal() && medium.ior > 0.0, || {
         format!("its ior {} must be finite and above 0", medium.ior)
     })?;
-    require(medium.dispersion <= Medium::SELLMEIER, || {
+    require(medium.dispersion <= Medium::MATCHED, || {
         format!("its dispersion {} is unknown; use 0 or a constant of Medium", medium.dispersion)
     })?;
     let mut indices = (0..Spectrum::CELLS).map(|cell| medium.index(Wavelength::of_cell(cell)));

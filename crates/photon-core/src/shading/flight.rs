@@ -14,6 +14,10 @@ use crate::shading::math;
 /// of the light would return from beyond: the largest value of σR²e^(−σX)/4X for all coefficients σ.
 pub const FAR: f32 = 56.0;
 
+/// Length up to which a stretch of a ray is none, normalised: what rounding leaves between boundaries that coincide, or between one
+/// and a surface or the camera.
+pub const SHORTEST_STRETCH: f32 = 1.0 / 1_048_576.0;
+
 /// Maximum number of collisions of a path. The light of longer ones is counted as truncated.
 pub const MAX_COLLISIONS: u32 = 1024;
 

@@ -154,7 +154,12 @@ impl<'a> MediaTable<'a> {
         index as u32
     }
 
-    /// Number of media inside solids.
+    /// Whether any of them absorbs or scatters light.
+    pub(crate) fn attenuates(&self) -> bool {
+        self.media.iter().any(Medium::attenuates)
+    }
+
+    /// Number of media inside solids and boundaries.
     pub(crate) fn solids(&self) -> usize {
         self.media.len() - 1
     }

@@ -5,9 +5,9 @@ use photon_core::Medium;
 use super::{MaterialDesc, PhaseDesc, Surface};
 use crate::error::SceneError;
 
-/// The medium around all solids, without bounds: fog, haze, water around a diver.
+/// The medium around all solids: fog, haze, water around a diver.
 ///
-/// Light from infinitely far away does not arrive through it.
+/// Light from infinitely far away does not arrive through one without bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct AmbientMedium {
@@ -17,19 +17,27 @@ pub struct AmbientMedium {
     pub absorption: [f64; 3],
     /// Directions of scattered light.
     pub phase: PhaseDesc,
+    /// Lower and upper corner of the box that it fills, in user space; `None` without bounds.
+    pub bounds: Option<[[f64; 3]; 2]>,
 }
 
 impl AmbientMedium {
-    /// A medium that scatters evenly in all directions.
+    /// A medium without bounds that scatters evenly in all directions.
     #[must_use]
     pub fn new(scattering: [f64; 3], absorption: [f64; 3]) -> Self {
-        Self { scattering, absorption, phase: PhaseDesc::default() }
+        Self { scattering, absorption, phase: PhaseDesc::default(), bounds: None }
     }
 
     /// The medium with this [`Self::phase`], or with the mean cosine of Henyey and Greenstein's.
     #[must_use]
     pub fn with_phase(self, phase: impl Into<PhaseDesc>) -> Self {
         Self { phase: phase.into(), ..self }
+    }
+
+    /// The medium within a box from `low` to `high`.
+    #[must_use]
+    pub fn with_bounds(self, low: [f64; 3], high: [f64; 3]) -> Self {
+        Self { bounds: Some([low, high]), ..self }
     }
 
     /// Whether it changes no light.
@@ -65,7 +73,9 @@ pub(crate) fn check_density(
         return Err(SceneError::Medium { property: "scattering", value, hint });
     }
     for desc in materials {
-        let Surface::Dielectric { absorption, .. } = desc.surface else { continue };
+        let (Surface::Dielectric { absorption, .. } | Surface::Boundary { absorption }) = desc.surface else {
+            continue;
+        };
         let medium = record(absorption, desc.scattering, desc.phase, scale * desc.density());
         if medium.is_too_dense() {
             let value = format!(

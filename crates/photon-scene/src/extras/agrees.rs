@@ -52,6 +52,10 @@ impl Agrees for MaterialDesc {
                     && all_close(*absorption, *exact_absorption)
                     && all_close(*tint, *exact_tint)
             }
+            // glTF has no boundaries: they are written as glass.
+            (Surface::Dielectric { ior, absorption, tint, roughness }, Surface::Boundary { absorption: exact }) => {
+                close(*ior, 1.0) && *roughness == 0.0 && all_close(*absorption, *exact) && all_close(*tint, [1.0; 3])
+            }
             (
                 Surface::Thin { ior, tint, roughness },
                 Surface::Thin { ior: exact_ior, tint: exact_tint, roughness: exact_roughness },

@@ -178,7 +178,7 @@ impl Overrides {
     }
 
     fn change(&self, desc: &mut MaterialDesc, with: &Material, budget: &Budget) -> Result<(), SceneError> {
-        let before = kind_of(&desc.surface, with.kind);
+        let before = kind_of(&desc.surface);
         let kind = with.kind.unwrap_or(before);
         if kind != before {
             // A texture keeps its factor, and a sheet or solid that had one too; diffuse and glossy surfaces their colour.
@@ -203,9 +203,6 @@ impl Overrides {
         let is_boundary = kind == Kind::Boundary;
         if is_boundary {
             // It changes the medium, and nothing else.
-            if let Surface::Dielectric { absorption, .. } = desc.surface {
-                desc.surface = MaterialDesc::boundary("", absorption).surface;
-            }
             (desc.textures, desc.dispersion) = (TexturesDesc::default(), None);
             (desc.emission, desc.emits_both_sides) = ([0.0; 3], false);
         }
@@ -308,21 +305,13 @@ impl Overrides {
                 *colour = new_albedo.take().map_or(*colour, |given| given.rgb());
             }
             Surface::Dielectric { ior, absorption, tint, roughness } => {
-                if !is_boundary {
-                    *roughness = new_roughness.take().unwrap_or(*roughness);
-                    *ior = new_ior.take().unwrap_or(*ior);
-                    *tint = new_tint.take().map_or(*tint, |given| given.rgb());
-                }
+                *roughness = new_roughness.take().unwrap_or(*roughness);
+                *ior = new_ior.take().unwrap_or(*ior);
+                *tint = new_tint.take().map_or(*tint, |given| given.rgb());
                 *absorption = new_absorption.take().map_or(*absorption, |given| given.rgb());
-                desc.scattering = new_scattering.take().map_or(desc.scattering, |given| given.rgb());
-                let keys = PhaseKeys {
-                    phase: new_phase.take(),
-                    anisotropy: new_anisotropy.take(),
-                    droplet_micrometres: new_droplets.take(),
-                };
-                desc.phase = self.phase(&format!("material '{}'", desc.name), desc.phase, keys)?;
-                desc.priority = new_priority.take().unwrap_or(desc.priority);
-                desc.grid = self.grid(&desc.name, desc.grid.as_ref(), with, budget)?;
+            }
+            Surface::Boundary { absorption } => {
+                *absorption = new_absorption.take().map_or(*absorption, |given| given.rgb());
             }
             Surface::Thin { ior, tint, roughness } => {
                 *roughness = new_roughness.take().unwrap_or(*roughness);
@@ -346,8 +335,18 @@ impl Overrides {
                 desc.anisotropy_rotation = new_rotation.take().map_or(desc.anisotropy_rotation, f64::to_radians);
             }
         }
+        if is_boundary || kind == Kind::Glass {
+            desc.scattering = new_scattering.take().map_or(desc.scattering, |given| given.rgb());
+            let keys = PhaseKeys {
+                phase: new_phase.take(),
+                anisotropy: new_anisotropy.take(),
+                droplet_micrometres: new_droplets.take(),
+            };
+            desc.phase = self.phase(&format!("material '{}'", desc.name), desc.phase, keys)?;
+            desc.priority = new_priority.take().unwrap_or(desc.priority);
+            desc.grid = self.grid(&desc.name, desc.grid.as_ref(), with, budget)?;
+        }
         if desc.is_solid()
-            && !is_boundary
             && let Some(dispersion) = new_dispersion.take()
         {
             *desc = desc.clone().with_dispersion(dispersion);
@@ -408,14 +407,15 @@ fn color_of(surface: &Surface) -> [f64; 3] {
         Surface::Lambert { albedo } => albedo,
         Surface::Mirror { reflectance } => reflectance,
         Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => tint,
+        Surface::Boundary { .. } => [1.0; 3],
         Surface::Glossy { base_color, .. } => base_color,
     }
 }
 
-/// The kind of a surface; boundaries are glass unless a boundary is asked for.
-fn kind_of(surface: &Surface, given: Option<Kind>) -> Kind {
+/// The kind of a surface.
+fn kind_of(surface: &Surface) -> Kind {
     match surface {
-        Surface::Dielectric { ior: 1.0, .. } if given == Some(Kind::Boundary) => Kind::Boundary,
+        Surface::Boundary { .. } => Kind::Boundary,
         Surface::Lambert { .. } => Kind::Lambert,
         Surface::Mirror { .. } => Kind::Mirror,
         Surface::Dielectric { .. } => Kind::Glass,

@@ -72,9 +72,13 @@ fn medium(scene: &SceneBuilder) -> String {
         AmbientMedium::new([scattering; 3], [0.0; 3])
     };
     let medium = scene.medium.unwrap_or_else(example);
+    // Light from infinity needs bounds.
+    let around = scene.bounds().filter(|(low, high)| (0..3).all(|axis| low[axis] < high[axis]));
+    let bounds = medium.bounds.or_else(|| around.map(|(low, high)| [low, high]));
+    let bounds = bounds.map_or_else(String::new, |corners| format!("# box = {corners:?}\n"));
     let mut text = format!(
-        "\n# A medium around everything, without bounds: not with light from infinity.\n# [medium]\n# scattering = {}\n# \
-         absorption = {}\n",
+        "\n# A medium in a box, or without one everywhere, where no light from infinity arrives.\n# [medium]\n# scattering = \
+         {}\n# absorption = {}\n{bounds}",
         color(medium.scattering),
         color(medium.absorption)
     );
@@ -106,6 +110,11 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
             ("tint", color(tint), colored),
             ("absorption", color(absorption), false),
             ("roughness", number(roughness), rough),
+            ("priority", desc.priority.to_string(), false),
+        ],
+        Surface::Boundary { absorption } => vec![
+            kind("boundary"),
+            ("absorption", color(absorption), false),
             ("priority", desc.priority.to_string(), false),
         ],
         Surface::Thin { ior, tint, roughness } => vec![

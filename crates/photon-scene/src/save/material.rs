@@ -13,6 +13,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
     let (base, metallic, roughness) = match desc.surface {
         Surface::Lambert { albedo } => (albedo, 0.0, 1.0),
         Surface::Mirror { reflectance } => (reflectance, 1.0, 0.0),
+        Surface::Boundary { .. } => ([1.0; 3], 0.0, 0.0),
         Surface::Dielectric { tint, roughness, .. } | Surface::Thin { tint, roughness, .. } => (tint, 0.0, roughness),
         Surface::Glossy { base_color, metallic, roughness, .. } => (base_color, metallic, roughness),
     };
@@ -38,13 +39,18 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
                 extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": factor });
             }
         }
+        // glTF has no boundaries: glass of the index of the air.
+        Surface::Boundary { .. } => {
+            extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
+            extensions["KHR_materials_ior"] = json!({ "ior": 1.0 });
+        }
         Surface::Dielectric { ior, .. } | Surface::Thin { ior, .. } => {
             extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
             extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
         }
     }
     let inside = match desc.surface {
-        Surface::Dielectric { absorption, .. } => Some(absorption),
+        Surface::Dielectric { absorption, .. } | Surface::Boundary { absorption } => Some(absorption),
         _ => desc.transmission_absorption.filter(|_| desc.transmission > 0.0),
     };
     if let Some(absorption) = inside {
@@ -91,7 +97,7 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": single(strength, what)? });
     }
     // Other programs cull the back of surfaces that are not double-sided; here every surface has two sides.
-    let both = if desc.is_emissive() { desc.emits_both_sides } else { !desc.is_solid() };
+    let both = if desc.is_emissive() { desc.emits_both_sides } else { !(desc.is_solid() || desc.is_boundary()) };
     let mut material = json!({
         "name": desc.name,
         "pbrMetallicRoughness": {

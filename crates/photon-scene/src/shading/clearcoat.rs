@@ -10,7 +10,7 @@ use super::fold::is_flat;
 /// Multiplies the factors of a clearcoat by textures of one colour. Glass has no clearcoat.
 pub(super) fn fold_clearcoat(material: &mut MaterialDesc, color_of: impl Fn(TextureRef) -> Option<[f64; 3]>) {
     let textures = &mut material.textures;
-    if matches!(material.surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
+    if matches!(material.surface, Surface::Dielectric { .. } | Surface::Boundary { .. } | Surface::Thin { .. }) {
         material.clearcoat = 0.0;
     }
     if let Some([red, ..]) = textures.clearcoat.and_then(&color_of) {

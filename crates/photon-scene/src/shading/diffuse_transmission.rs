@@ -15,7 +15,7 @@ pub(super) fn fold_diffuse_transmission(
     let has_base = match material.surface {
         Surface::Lambert { .. } => true,
         Surface::Glossy { metallic, .. } => metallic < 1.0 || textures.metallic_roughness.is_some(),
-        Surface::Mirror { .. } | Surface::Dielectric { .. } | Surface::Thin { .. } => false,
+        Surface::Mirror { .. } | Surface::Dielectric { .. } | Surface::Boundary { .. } | Surface::Thin { .. } => false,
     };
     if !has_base {
         material.diffuse_transmission = 0.0;

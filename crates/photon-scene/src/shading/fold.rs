@@ -112,7 +112,7 @@ fn fold_roughness(
 /// The roughness of surfaces that have one.
 fn roughness_of(surface: &mut Surface) -> Option<&mut f64> {
     match surface {
-        Surface::Lambert { .. } | Surface::Mirror { .. } => None,
+        Surface::Lambert { .. } | Surface::Mirror { .. } | Surface::Boundary { .. } => None,
         Surface::Dielectric { roughness, .. } | Surface::Thin { roughness, .. } | Surface::Glossy { roughness, .. } => {
             Some(roughness)
         }
@@ -145,6 +145,8 @@ fn albedo_of(surface: &mut Surface) -> &mut [f64; 3] {
         Surface::Lambert { albedo } => albedo,
         Surface::Mirror { reflectance } => reflectance,
         Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => tint,
+        // It has no texture.
+        Surface::Boundary { absorption } => absorption,
         Surface::Glossy { base_color, .. } => base_color,
     }
 }

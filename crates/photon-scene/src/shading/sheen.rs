@@ -13,7 +13,7 @@ pub(super) fn fold_sheen(
 ) {
     let textures = &mut material.textures;
     let color = &mut material.sheen_color;
-    if matches!(material.surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
+    if matches!(material.surface, Surface::Dielectric { .. } | Surface::Boundary { .. } | Surface::Thin { .. }) {
         *color = [0.0; 3];
     }
     if let Some(uniform) = textures.sheen_color.and_then(color_of) {

@@ -395,17 +395,29 @@ fn media_are_overridden() {
         assert_eq!(scene(nothing).view().media[0], Medium::VACUUM, "{nothing}");
     }
     let milk = "scattering = 2\nanisotropy = -0.25\npriority = 3\n";
-    for (kind, ior) in [("glass", 1.5), ("boundary", 1.0)] {
+    for kind in ["glass", "boundary"] {
         let scene = scene(&format!("[materials.wall]\nkind = \"{kind}\"\nabsorption = 1\n{milk}"));
-        let wall = *material(&scene, "wall");
-        let inside = scene.view().media[wall.medium as usize];
-        assert_eq!((wall.kind, wall.ior, wall.albedo), (MaterialKind::Dielectric as u32, ior, [1.0; 3]), "{kind}");
+        let view = scene.view();
+        let index = if kind == "glass" {
+            let wall = *material(&scene, "wall");
+            assert_eq!((wall.kind, wall.ior, wall.albedo), (MaterialKind::Dielectric as u32, 1.5, [1.0; 3]));
+            wall.medium
+        } else {
+            view.boundaries.media[0]
+        };
+        let inside = view.media[index as usize];
         assert!(near(inside.scattering, [2.0; 3], scale) && near(inside.absorption, [1.0; 3], scale), "{kind}");
-        assert_eq!((inside.anisotropy, inside.ior, inside.priority), (-0.25, ior, 3), "{kind}");
+        assert_eq!((inside.anisotropy, inside.priority, inside.is_matched()), (-0.25, 3, kind == "boundary"), "{kind}");
     }
-    // Without coefficients a boundary bounds a vacuum, whatever its phase function: here a cavity in what it touches.
+    // Without coefficients a boundary bounds a vacuum, whatever its phase function.
     let empty = scene("[materials.wall]\nkind = \"boundary\"\nanisotropy = 0.5\n");
-    assert_eq!(empty.view().media[material(&empty, "wall").medium as usize], Medium::VACUUM);
+    assert_eq!((empty.view().media, empty.view().boundaries.is_empty()), (&[Medium::VACUUM][..], true));
+    let in_box = scene("[medium]\nscattering = [0.5, 0.25, 1]\nbox = [[-100, 0, 0], [100, 2, 3]]\n");
+    let (view, boundaries) = (in_box.view(), in_box.view().boundaries);
+    assert_eq!((view.media[0], boundaries.triangles.len(), in_box.units().scale), (Medium::VACUUM, 12, scale));
+    assert!(near(view.media[1].scattering, [0.5, 0.25, 1.0], scale) && boundaries.media == [1; 12]);
+    let corner = boundaries.positions[0].map(|c| c * boundaries.scale);
+    assert!((in_box.units().point_to_user(corner)[0].abs() - 100.0).abs() < 1e-4, "{corner:?}");
     let clamped = scene("[medium]\nscattering = 1\nanisotropy = 0.9999\n");
     assert_eq!(clamped.view().media[0].anisotropy, 0.999);
     assert!(clamped.warnings().iter().any(|text| text.contains("ambient") && text.contains("0.9999")));
@@ -467,7 +479,10 @@ fn media_are_overridden() {
         let text = format!("[materials.wall]\nkind = \"{kind}\"\nphase = \"rayleigh\"\n");
         names(&fault(&text), &["'wall'", kind, "no phase", "glass has"]);
     }
-    names(&fault("[medium]\nbox = [[0, 0, 0], [1, 1, 1]]\n"), &["box", "not supported yet", "boundary"]);
+    for corners in ["[0, 0, 0], [1, 0, 1]", "[0, 0, 2], [1, 1, 1]", "[0, 0, nan], [1, 1, 1]", "[0, 0, 0], [1, inf, 1]"]
+    {
+        names(&fault(&format!("[medium]\nbox = [{corners}]\n")), &["ambient medium", "box", "first below the second"]);
+    }
     names(&glass("density_scale = 1"), &["'wall'", "density_scale", "no grid", ".vol"]);
     names(&glass("grid = \"../a.vol\""), &["'wall'", "../a.vol", "outside the folder"]);
     names(&glass("grid = \"a.vdb\""), &["a.vdb", "unknown format", ".nvdb"]);

@@ -12,6 +12,10 @@ use crate::stretches::Stretch;
 /// Bit of the blocks of aimed paths, whose numbers may be those of other paths.
 const AIMED_BLOCKS: u32 = 1 << 31;
 
+/// Bits of blocks below the number of a stretch of the ray, which has as many numbers as there are bits up to that of aimed paths.
+const STRETCH_BITS: u32 = 18;
+const MOST_STRETCHES: u32 = (1 << (31 - STRETCH_BITS)) - 1;
+
 /// Largest number below 1.
 const LAST_PLACE: f32 = 1.0 - f32::EPSILON / 2.0;
 
@@ -63,11 +67,12 @@ impl MediumWalk {
         power: &mut Vec3,
         mut photons: Option<&mut PerMap<PhotonList>>,
     ) -> Crossing {
+        let mut number = 0;
         for stretch in walk.scene.stretches(&flown.ray, flown.end, flown.media) {
             let medium = walk.scene.medium_at(stretch.medium);
             if medium.scatters() {
-                match self.cross(walk, (flown, &stretch), power, photons.as_deref_mut()) {
-                    Crossing::Passes => {}
+                match self.cross(walk, (flown, &stretch, number << STRETCH_BITS), power, photons.as_deref_mut()) {
+                    Crossing::Passes => number = (number + 1) & MOST_STRETCHES,
                     ends => return ends,
                 }
             } else if medium.attenuates() {
@@ -81,7 +86,7 @@ impl MediumWalk {
     fn cross(
         &mut self,
         walk: &Walk<'_>,
-        (flown, stretch): (&Flown, &Stretch),
+        (flown, stretch, block): (&Flown, &Stretch, u32),
         power: &mut Vec3,
         photons: Option<&mut PerMap<PhotonList>>,
     ) -> Crossing {
@@ -92,14 +97,14 @@ impl MediumWalk {
         if let Some(photons) = photons.filter(|_| event > 0) {
             let kind = MapKind::of_path(specular_only, bounce);
             if walk.wanted[kind] && column > 0.0 {
-                self.deposit(walk, (flown, stretch), column, *power, &mut photons[kind]);
+                self.deposit(walk, (flown, stretch, block), column, *power, &mut photons[kind]);
             }
         }
         if self.is_aimed {
             *power *= flight::transmittance(medium, column);
             return Crossing::Passes;
         }
-        let [channel, length, roulette, _] = self.flights.words(2 * event);
+        let [channel, length, roulette, _] = self.flights.words(block + 2 * event);
         let found = match flight::sample(medium, *power, column, [channel, length].map(unit_f32)) {
             Flight::Passes(left) => {
                 *power = left;
@@ -111,7 +116,7 @@ impl MediumWalk {
             return Crossing::Absorbed;
         }
         *power = found.power;
-        let [u, v, ..] = self.flights.words(2 * event + 1);
+        let [u, v, ..] = self.flights.words(block + 2 * event + 1);
         let direction = Phase::of(medium).sample(ray.direction, [u, v].map(unit_f32));
         self.collisions += 1;
         let origin = ray.origin + ray.direction * walk.scene.place(&ray, stretch, found.distance);
@@ -122,7 +127,7 @@ impl MediumWalk {
     fn deposit(
         &mut self,
         walk: &Walk<'_>,
-        (flown, stretch): (&Flown, &Stretch),
+        (flown, stretch, block): (&Flown, &Stretch, u32),
         column: f32,
         power: Vec3,
         photons: &mut PhotonList,
@@ -130,7 +135,7 @@ impl MediumWalk {
         let Flown { ray, bounce, specular_only, .. } = *flown;
         let medium = walk.scene.medium_at(stretch.medium);
         let count = if specular_only { FOCUSED_DEPOSITS } else { 1 };
-        let block = bounce + self.collisions + if self.is_aimed { AIMED_BLOCKS } else { 0 };
+        let block = block + bounce + self.collisions + if self.is_aimed { AIMED_BLOCKS } else { 0 };
         let [channel, place, ..] = self.deposits.words(block).map(unit_f32);
         for number in 0..count {
             // Rounding may give 1, which is infinitely far in a dense medium.

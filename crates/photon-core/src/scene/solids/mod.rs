@@ -54,23 +54,28 @@ impl<'a> Solids<'a> {
     /// What kernels have to support for these solids: [`MediaFeatures::NESTED`] if the bounding boxes of
     /// two of them overlap; [`MediaFeatures::DISPERSION`], with which it comes, if the refractive index of one depends on the
     /// wavelength; [`MediaFeatures::SCATTERING`], [`MediaFeatures::AMBIENT`], [`MediaFeatures::PHASES`] and
-    /// [`MediaFeatures::GRIDS`] for the media inside and around them.
+    /// [`MediaFeatures::GRIDS`] for the media inside and around them, and [`MediaFeatures::BOUNDARIES`].
     #[must_use]
     pub fn features(&self) -> MediaFeatures {
         let around = self.scene.media.first();
         let inside = || self.solids.iter().filter_map(|solid| self.scene.media.get(solid.medium as usize));
         let is_dispersive = inside().any(Medium::is_dispersive);
-        let scattering = || around.into_iter().chain(inside()).filter(|medium| medium.scatters());
-        let scatters = scattering().next().is_some();
-        let has_phases = scattering().any(|medium| medium.phase != 0);
+        let matched = boundary_media(&self.scene);
+        let scattering: Vec<&Medium> =
+            around.into_iter().chain(inside()).chain(matched).filter(|medium| medium.scatters()).collect();
+        let scatters = !scattering.is_empty();
+        let has_phases = scattering.iter().any(|medium| medium.phase != 0);
         let is_ambient = around.is_some_and(Medium::attenuates);
-        let has_grids = self.solids.iter().any(|solid| self.scene.grids.of(solid.medium).is_some());
+        let mut filled =
+            self.solids.iter().map(|solid| solid.medium).chain(self.scene.boundaries.media.iter().copied());
+        let has_grids = filled.any(|medium| self.scene.grids.of(medium).is_some());
         let mut features = MediaFeatures::NONE;
         features.set(MediaFeatures::GRIDS, has_grids);
         features.set(MediaFeatures::DISPERSION, is_dispersive);
         features.set(MediaFeatures::SCATTERING, scatters);
         features.set(MediaFeatures::AMBIENT, is_ambient);
         features.set(MediaFeatures::PHASES, has_phases);
+        features.set(MediaFeatures::BOUNDARIES, !self.scene.boundaries.is_empty());
         features.set(MediaFeatures::NESTED, is_dispersive || self.overlap());
         features
     }
@@ -100,6 +105,17 @@ impl Solids<'_> {
         self.scene.triangles[triangle as usize]
             .map(|vertex| Vec3::from(self.scene.positions[vertex as usize]).as_dvec3())
     }
+}
+
+/// The media behind boundaries, each once. Indices out of range are skipped.
+pub(crate) fn boundary_media<'a>(scene: &SceneView<'a>) -> impl Iterator<Item = &'a Medium> + use<'a> {
+    let mut used = vec![false; scene.media.len()];
+    for &medium in scene.boundaries.media {
+        if let Some(used) = used.get_mut(medium as usize) {
+            *used = true;
+        }
+    }
+    scene.media.iter().zip(used).filter_map(|(medium, used)| used.then_some(medium))
 }
 
 /// Whether the bounding boxes of two of them overlap.

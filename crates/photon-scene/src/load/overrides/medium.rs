@@ -12,12 +12,6 @@ use std::path::Path;
 impl Overrides {
     /// Sets the ambient medium; keys that are not given keep what the scene has.
     pub(super) fn medium(&self, with: &Medium, scene: &mut SceneBuilder) -> Result<(), SceneError> {
-        if with.bounds.is_some() {
-            let what = "[medium] has the key box, which is not supported yet".to_owned();
-            let hint =
-                "leave it out for a medium without bounds, or put a closed box of kind \"boundary\" around the scene";
-            return Err(self.fault(what, hint));
-        }
         let before = scene.medium.unwrap_or_default();
         let scattering = with.scattering.map_or(before.scattering, |given| given.rgb());
         let absorption = with.absorption.map_or(before.absorption, |given| given.rgb());
@@ -27,7 +21,8 @@ impl Overrides {
             droplet_micrometres: with.droplet_micrometres,
         };
         let phase = self.phase("[medium]", before.phase, keys)?;
-        scene.medium(AmbientMedium::new(scattering, absorption).with_phase(phase));
+        let medium = AmbientMedium::new(scattering, absorption).with_phase(phase);
+        scene.medium(AmbientMedium { bounds: with.bounds.or(before.bounds), ..medium });
         Ok(())
     }
 

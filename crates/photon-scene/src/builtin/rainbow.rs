@@ -13,8 +13,9 @@ const BALL: f64 = 0.1;
 const SCREEN: f64 = 1.0;
 /// Radii of the hole in the screen, through which the sun shines on the ball, and of its rim.
 const RING: [f64; 2] = [1.02 * BALL, 1.5];
-/// Distance of the sun: its light is parallel to 0.06 degrees, and all of it meets the ball.
-const SUN: f64 = 100.0;
+/// Distance of the sun, all of whose light meets the ball: its directions differ by half a degree, as those of the true sun. From
+/// farther away, the ball would be too small beside the scene for exact refractions.
+const SUN: f64 = 20.0;
 /// Irradiance at the ball, W/m².
 const IRRADIANCE: f64 = 1500.0;
 /// n = A + B/λ² of water: 1.3311 at 0.7 µm, 1.3428 at 0.4 µm.

@@ -272,8 +272,11 @@ pub fn dispersion_is_required_where_it_is<T: TestBackend>() {
     let mut media = scene.view().media.to_vec();
     media[1].terms[1] = f32::NAN;
     assert!(T::make(1).prepare(&photon_core::SceneView { media: &media, ..scene.view() }, &required).is_err());
-    media[1] = Medium { dispersion: 3, ..scene.view().media[1] };
-    assert!(photon_core::SceneView { media: &media, ..scene.view() }.validate().is_err());
+    // An unknown formula, and that of a boundary around a solid.
+    for dispersion in [Medium::MATCHED, Medium::MATCHED + 1] {
+        media[1] = Medium { dispersion, ..scene.view().media[1] };
+        assert!(photon_core::SceneView { media: &media, ..scene.view() }.validate().is_err());
+    }
 }
 
 /// Final gathering reads light behind dispersive glass: a floor within an even room, whose walls have an albedo of 1/2 and

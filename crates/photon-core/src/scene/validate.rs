@@ -272,7 +272,9 @@ fn check_material(material: &Material, media: &[Medium]) -> Check {
             let inside = material.medium;
             require(inside > 0, || "it has no medium; a dielectric needs an entry of media after the first".into())?;
             index("medium", inside, media.len())?;
-            let there = media[inside as usize].ior;
+            let medium = &media[inside as usize];
+            require(!medium.is_matched(), || format!("its medium {inside} is Medium::MATCHED, that of a boundary"))?;
+            let there = medium.ior;
             require(there == ior, || format!("its ior {ior} differs from that of its medium {inside}, {there}"))
         }
     }

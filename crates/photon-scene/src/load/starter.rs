@@ -173,7 +173,9 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
     if desc.alpha_mode != AlphaMode::Opaque {
         list.push(("alpha", number(desc.alpha), textures.alpha.is_some()));
     }
-    list.push(("emission", color(desc.emission), textures.emission.is_some()));
+    if !desc.is_boundary() {
+        list.push(("emission", color(desc.emission), textures.emission.is_some()));
+    }
     if desc.is_emissive() {
         list.push(("emits_both_sides", desc.emits_both_sides.to_string(), false));
     }
@@ -321,7 +323,7 @@ mod tests {
         other.material(MaterialDesc::glass("wax", 1.4).with_scattering([1.0, 2.0, 0.0], -0.5));
         other.material(MaterialDesc::glass("haze", 1.0).with_scattering([1.0; 3], PhaseDesc::Rayleigh));
         let mist = PhaseDesc::Mie { droplet_micrometres: 20.0 };
-        other.material(MaterialDesc::glass("mist", 1.0).with_scattering([1.0; 3], mist));
+        other.material(MaterialDesc::boundary("mist", [0.5; 3]).with_scattering([1.0; 3], mist));
         other.material(MaterialDesc::glass("flint", 1.5).with_dispersion(Dispersion::Cauchy([1.6, 0.02])));
         let terms = [1.039_612_12, 0.231_792_344, 1.010_469_45, 0.006_000_698_67, 0.020_017_914_4, 103.560_653];
         other.material(MaterialDesc::glass("crown", 1.5).with_dispersion(Dispersion::Sellmeier(terms)));

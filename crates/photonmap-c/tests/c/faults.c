@@ -86,7 +86,7 @@ static void media(PmMaterial material)
 {
     PmScene *scene = NULL;
     PmBuilder *builder = NULL;
-    PmMedium fog = {sizeof fog, {1, 2, 3}, {0, 0, 0}, 0.5, 0, PM_PHASE_HENYEY_GREENSTEIN};
+    PmMedium fog = {sizeof fog, {1, 2, 3}, {0, 0, 0}, 0.5, 0, PM_PHASE_HENYEY_GREENSTEIN, {{0}}};
     OK(pm_builder_new(&builder));
     BAD(pm_builder_medium(NULL, &fog), "builder is NULL");
     BAD(pm_builder_medium(builder, NULL), "PmMedium is NULL");
@@ -112,7 +112,7 @@ static void media(PmMaterial material)
     EXPECT(pm_builder_build(builder, &scene), PM_STATUS_INVALID_SCENE, "scattering");
     fog.size = 1;
     BAD(pm_builder_medium(builder, &fog), "sizeof(PmMedium)");
-    fog = (PmMedium){sizeof fog, {0, 0, 0}, {0, 0, 0}, 0, 0, 0};
+    fog = (PmMedium){sizeof fog, {0, 0, 0}, {0, 0, 0}, 0, 0, 0, {{0}}};
     float densities[2] = {0, 1};
     PmGrid grid = {sizeof grid, NULL, densities, {2, 1, 1}, 0, {{0}}, 0};
     BAD(pm_builder_grid(builder, &grid), "PmGrid.material is 0");

@@ -149,7 +149,7 @@ fn beams_find_what_brute_force_finds() {
         (&["--beams", beams, "--k", "3"], "cannot be used with"),
         (&["--beams", beams, "--queries", photons, "--radius", "1"], "--queries"),
         (&["--beams", photons, "--radius", "1"], "shape (200,3); give a float32 array of shape (N, 2, 3)"),
-        (&["--beams", beams, "--radius", "-1"], "--radius is -1"),
+        (&["--beams", beams, "--radius=-1"], "--radius is -1"),
         (&["--beams", beams, "--radius", "1", "--backend", "vulkan"], "--beams is searched on the CPU"),
     ] {
         refused(&photonmap("map").args(["--photons", photons]).args(arguments).output().unwrap(), culprit);

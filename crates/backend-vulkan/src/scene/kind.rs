@@ -40,12 +40,13 @@ impl SceneKind {
         let unlit = if Self::has_light_tree(present, required) { Features::NONE } else { Features::LIGHT_TREE };
         // A lens is the view's: camera kernels add it.
         let absent = WITH_TABLES.without(present).union(unlit).union(Features::THIN_LENS);
-        let unbounded = if view.boundaries.is_empty() { MediaFeatures::BOUNDARIES } else { MediaFeatures::NONE };
+        let mut without_table = MediaFeatures::NONE;
+        without_table.set(MediaFeatures::BOUNDARIES, view.boundaries.is_empty());
+        without_table.set(MediaFeatures::GRIDS, view.grids.grids.is_empty());
         let lights = view.lights.len() as u32;
         Self {
             features: required.features.without(absent),
-            // Without any, their table is not there.
-            media: required.media.difference(unbounded),
+            media: required.media.difference(without_table),
             weighed: if (2..=MAX_LIGHTS).contains(&lights) { lights } else { 0 },
             light_groups: LightGroups::new(view),
             has_vertex_normals: !view.shading.normals.is_empty(),

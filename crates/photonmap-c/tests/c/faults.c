@@ -118,6 +118,7 @@ static void media(PmMaterial material)
     BAD(pm_builder_grid(builder, &grid), "PmGrid.material is 0");
     PmMaterial smoke = material;
     smoke.kind = PM_MATERIAL_DIELECTRIC;
+    smoke.ior = 1;
     OK(pm_builder_material(builder, &smoke, &grid.material));
     BAD(pm_builder_grid(NULL, &grid), "builder is NULL");
     OK(pm_builder_grid(builder, &grid));

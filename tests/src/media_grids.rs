@@ -53,7 +53,7 @@ fn slope(cells: u32, low: [f64; 3], high: [f64; 3]) -> GridDesc {
     GridDesc::new([cells, 1, 1], densities).with_box(low, high)
 }
 
-/// A lamp inside a body whose density rises along the view, seen from within: P2 with the densities of every place, integrated
+/// A point light inside a body whose density rises along the view, seen from within: P2 with the densities of every place, integrated
 /// numerically; columns of a slope are means of its ends.
 pub fn airlight_in_a_slope<T: TestBackend>() {
     let (low, high) = ([-1.0, -2.0, -2.0], [11.0, 2.0, 2.0]);
@@ -62,7 +62,7 @@ pub fn airlight_in_a_slope<T: TestBackend>() {
     let black = builder.material(MaterialDesc::lambert("wall", [0.0; 3]));
     let x = 10.0;
     builder.quad("wall", [[x, -0.3, 0.3], [x, 0.3, 0.3], [x, 0.3, -0.3], [x, -0.3, -0.3]], black);
-    builder.light("lamp", LightDesc::Point { position: [5.0, 1.0, 0.0], intensity: [power / (4.0 * PI); 3] });
+    builder.light("point", LightDesc::Point { position: [5.0, 1.0, 0.0], intensity: [power / (4.0 * PI); 3] });
     add_box(&mut builder, [low, high], [scattering, absorption], Some(slope(240, low, high)));
     camera(&mut builder, [0.0; 3], [1.0, 0.0, 0.0], 1e-3);
     let scene = builder.build().unwrap();
@@ -131,7 +131,7 @@ pub fn even_grids_are_homogeneous<T: TestBackend>() {
         let mut builder = SceneBuilder::new();
         let grey = builder.material(MaterialDesc::lambert("floor", [0.5; 3]));
         builder.quad("floor", [[-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0], [-2.0, -1.0, -2.0]], grey);
-        builder.light("lamp", LightDesc::Point { position: [0.3, 2.0, 0.4], intensity: [1.0; 3] });
+        builder.light("point", LightDesc::Point { position: [0.3, 2.0, 0.4], intensity: [1.0; 3] });
         add_box(&mut builder, bounds, [1.0, 0.2], grid);
         camera(&mut builder, [-3.0, 0.1, 0.2], [1.0, 0.0, 0.0], 1.0);
         let indirect = Indirect::Map;

@@ -200,7 +200,7 @@ impl CpuScene {
         self.stretches(ray, end, media).map(|stretch| self.stretch_transmittance(ray, &stretch)).product()
     }
 
-    /// As [`Self::transmittance`], but returns 1 immediately if nothing in the scene attenuates light.
+    /// Transmittance as of [`Self::transmittance`]; 1 immediately if nothing in the scene attenuates light.
     #[inline]
     pub(crate) fn attenuation(&self, ray: &Ray, end: f32, media: MediumStack) -> Vec3 {
         if !self.features.contains(Features::ABSORPTION) || !self.may_attenuate(media) {

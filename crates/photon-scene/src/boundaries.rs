@@ -140,7 +140,7 @@ fn normalised(mesh: &Mesh, frame: Frame) -> impl Iterator<Item = [DVec3; 3]> {
     })
 }
 
-/// Warns if more media may overlap at a point than are told apart.
+/// Warns if more media may overlap at a point than are distinguished.
 fn warn_of_overlaps(groups: &[Group], warnings: &mut Vec<String>) {
     let bounds: Vec<(DVec3, DVec3)> = groups
         .iter()

@@ -89,7 +89,7 @@ impl Enclosing {
     }
 }
 
-/// How a ray that hits a triangle crosses it: 1 from the front, -1 from the back, 0 if that counts for a neighbour.
+/// Crossing of a triangle by a ray that hits it: 1 from the front, -1 from the back, 0 if that counts for a neighbour.
 ///
 /// A ray through an edge or a vertex hits every triangle that has it. Here the ray is moved aside by an infinitesimal distance,
 /// so that the crossings of a closed mesh add up. The coordinates are those of the intersection test, rounded alike.

@@ -7,7 +7,7 @@ use super::{nvdb, read_within, vol};
 use crate::describe::GridDesc;
 use crate::error::SceneError;
 
-/// What is wrong with the content of a file, and what would be valid.
+/// A fault in the content of a file, and valid content.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub(super) what: String,

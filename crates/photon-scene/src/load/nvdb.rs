@@ -72,7 +72,7 @@ struct Entry {
     /// [`FLOAT`], or another.
     kind: u32,
     codec: u16,
-    /// Where it begins, its length there, and unzipped.
+    /// Start in the file, length there, and length unzipped.
     start: u64,
     stored: u64,
     length: u64,

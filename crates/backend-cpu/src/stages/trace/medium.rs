@@ -82,7 +82,7 @@ impl MediumWalk {
         Crossing::Passes
     }
 
-    /// As [`Self::fly`], through a stretch of the ray whose medium scatters light.
+    /// Follows a ray through one stretch whose medium scatters light, for [`Self::fly`].
     fn cross(
         &mut self,
         walk: &Walk<'_>,

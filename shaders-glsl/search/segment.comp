@@ -16,6 +16,7 @@ layout(local_size_x_id = 1) in;
 const uint FEATURES = 0u;
 layout(constant_id = 4) const uint KERNEL = 0;
 layout(constant_id = 5) const uint MEDIA = 4;
+layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 
 #include "shading/constants.glsl"
 #include "shading/kernel.glsl"
@@ -26,6 +27,7 @@ layout(constant_id = 5) const uint MEDIA = 4;
 #include "search/search_map.glsl"
 #include "search/search_distance.glsl"
 #include "search/search_sum.glsl"
+#include "search/search_error_moments.glsl"
 
 // Positions with the index of the medium, powers, directions that photons came from.
 shared uvec4 staged[TILES * TILE_POINTS];
@@ -48,8 +50,9 @@ Phase phase;
 bool sees_grid;
 Columns columns;
 float scale;
-// Feet on its line that count: by several radii beyond its ends, which are oblique planes.
-vec2 range;
+// Feet on its line that count: by several radii beyond its ends, which are oblique planes. For the estimate itself, if
+// photons within a wider radius are found for `ERROR_MOMENTS`, the inner range.
+vec2 range, inner_range;
 // For boxes: reciprocals of its direction, and the radius with room for rounding.
 vec3 inverse;
 float margin;
@@ -70,12 +73,18 @@ void add(uint place, inout vec3 sum) {
     float d2 = squared(beside);
     if (floatBitsToUint(d2) >= limit || foot < range.x || foot > range.y) return;
     if (staged[place].w != index_of_medium || !segment_contains(segment, gap)) return;
-    float weight = kernel_weight(KERNEL, min(d2 * scale, 1.0))
-        * phase_value(phase, directions[place], segment.direction);
+    float scattered = phase_value(phase, directions[place], segment.direction);
     float column = max(foot, 0.0);
     if (sees_grid) column = columns_to(columns, column);
-    sum += powers[place] * weight * exp_neg3(extinction * column);
-    photons++;
+    vec3 power = powers[place] * scattered * exp_neg3(extinction * column);
+    if (ERROR_MOMENTS != 0) {
+        bool is_inner = foot >= inner_range.x && foot <= inner_range.y;
+        error_moments_add(
+            KERNEL, beside, segment.direction, power, d2, d2 * scale, true, bvec2(is_inner, true), sum, photons);
+    } else {
+        sum += power * kernel_weight(KERNEL, min(d2 * scale, 1.0));
+        photons++;
+    }
 }
 
 #define ADD(place) add(place, sum)
@@ -84,6 +93,7 @@ void visit(uint mode, uvec2 firsts) {
     uint end = (gl_SubgroupID + 1) * TILE_POINTS;
     for (uint place = end - TILE_POINTS; place < end; place += 8) {
         vec3 sum = vec3(0.0);
+        if (ERROR_MOMENTS != 0) error_moments_eight_begin();
         if (GRIDS) {
             // Not unrolled, since each walks through a grid.
             for (uint k = 0; k < 8; ++k) add(place + k, sum);
@@ -91,6 +101,7 @@ void visit(uint mode, uvec2 firsts) {
             EIGHT(ADD, place);
         }
         sum_add(flux, sum);
+        if (ERROR_MOMENTS != 0) error_moments_eight_end();
     }
 }
 
@@ -118,6 +129,7 @@ void query_keep() {
     pause_begin(PAUSE_KERNEL);
     sum_keep(flux);
     keep(photons);
+    if (ERROR_MOMENTS != 0) error_moments_keep();
 }
 
 float reciprocal(float component) {
@@ -161,14 +173,19 @@ void main() {
         float radius = min(wanted, most);
         squared_radius = radius * radius;
         scale = 1.0 / squared_radius;
-        precise vec2 ends = vec2(-8.0 * radius, segment.far + 8.0 * radius);
+        precise float wide = ERROR_MOMENTS != 0 ? 1.41421356 * radius : radius;
+        precise vec2 inner_ends = vec2(-8.0 * radius, segment.far + 8.0 * radius);
+        precise vec2 ends = vec2(-8.0 * wide, segment.far + 8.0 * wide);
+        inner_range = inner_ends;
         range = ends;
         vec3 direction = segment.direction;
         inverse = vec3(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
         // Feet and distances are rounded relative to the largest of all numbers.
         float largest = max(max(abs(at.x), abs(at.y)), max(abs(at.z), abs(range.y)));
-        margin = radius * 1.001 + 1e-6 * largest;
-        if (push.points > 0 && is_positive_finite(squared_radius)) limit = floatBitsToUint(squared_radius) + 1;
+        margin = wide * 1.001 + 1e-6 * largest;
+        precise float reach = ERROR_MOMENTS != 0 ? 2.0 * squared_radius : squared_radius;
+        if (push.points > 0 && is_positive_finite(squared_radius)) limit = floatBitsToUint(reach) + 1;
+        if (ERROR_MOMENTS != 0) error_moments_begin(direction, squared_radius, squared_radius);
     }
     if (resumed) query_keep();
     walk(0);
@@ -177,6 +194,7 @@ void main() {
     } else if (asked && index < push.capacity) {
         Estimates(push.results)[index].at =
             Estimate(flux.total - flux.excess, squared_radius, photons, 0u, uint[2](0u, 0u));
+        if (ERROR_MOMENTS != 0) push.error_moments[index].at = error_moments_found();
     }
     if (TURNS != 0) pause_close();
 }

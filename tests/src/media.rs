@@ -265,6 +265,53 @@ pub fn p3_shaft<T: TestBackend>() {
     assert_mean("shaft", &found, expected, 2e-3);
 }
 
+/// Claims of error hold for light of photons in a medium that falls off along a shaft and ends at the side of a body: at least
+/// 85 % of the pixels have an interval, and 93 % of these contain the truth. Intervals that were far too wide would also contain
+/// 1.2 times the truth: at most 85 % may.
+pub fn intervals_of_a_shaft<T: TestBackend>() {
+    const SIDE: u32 = 16;
+    let (seen, side, extinction) = (0.6, 2.0, 0.5_f64);
+    let mut builder = SceneBuilder::new();
+    let solid = builder.material(body(1.0));
+    let (positions, triangles) = shapes::cuboid([0.0, -4.0, -side], [1.0, 0.0, side]);
+    builder.mesh("body", positions, triangles, solid);
+    builder.light("sun", LightDesc::Directional { direction: [0.0, -1.0, 0.0], irradiance: [1.0; 3] });
+    let middle = [-1.0, -2.0, 1.5];
+    camera(&mut builder, middle, [1.0, 0.0, 0.0], seen);
+    let scene = builder.build().unwrap();
+    let media = Fog::new(extinction, 0.5, 0.0).at(&scene, 1);
+    // The picture's columns run towards +z.
+    let pixel = 2.0 * seen / f64::from(SIDE);
+    let truth = |index: usize| {
+        let (row, column) = (index as u32 / SIDE, index as u32 % SIDE);
+        let depth = -(middle[1] + seen) + pixel * (f64::from(row) + 0.5);
+        let within = (side - (middle[2] - seen + pixel * f64::from(column))) / pixel;
+        0.125 * FRAC_1_PI * (-extinction * depth).exp() * -(-extinction).exp_m1() * within.clamp(0.0, 1.0)
+    };
+    let (mut claimed, mut covered, mut wrong, mut lit) = (0, 0, 0, 0);
+    for seed in 1..=3 {
+        let once = Settings { indirect: photon_core::Indirect::None, ..fixed_radius(0.1) };
+        let settings = Settings { errors: true, photons: 40_000, caustics: true, seed, ..once };
+        let mut renderer = renderer::<T>(&scene, &media, &settings, SIDE);
+        for pass in 0..16 {
+            renderer.pass(pass, &mut ()).unwrap();
+        }
+        let intervals = renderer.film().unwrap().confidence_intervals().unwrap();
+        for (index, interval) in intervals.iter().enumerate().filter(|(index, _)| truth(*index) > 0.0) {
+            lit += 1;
+            if interval.flags.is_empty() {
+                let holds = |truth: f64| usize::from((interval.value - truth).abs() <= interval.half_width);
+                claimed += 1;
+                covered += holds(truth(index));
+                wrong += holds(1.2 * truth(index));
+            }
+        }
+    }
+    let what = format!("{claimed} of {lit} claimed, {covered} covered, {wrong} with a wrong truth");
+    eprintln!("{what}");
+    assert!(claimed * 100 >= lit * 85 && covered * 100 >= claimed * 93 && wrong * 100 <= claimed * 85, "{what}");
+}
+
 /// Every path ends in exactly one way, in number and in flux of each channel, and collisions lose nothing but what is absorbed.
 pub fn paths_are_accounted_for<T: TestBackend>() {
     let scene = endless(1.0, 90.0);
@@ -327,7 +374,6 @@ pub fn what_media_do_not_go_with_is_refused<T: TestBackend>() {
     let (thin, plain) = (Fog::new(1.0, 0.9, 0.0), fixed_radius(0.1));
     for (settings, expected) in [
         (Settings { indirect: photon_core::Indirect::Gather, ..plain.clone() }, "--indirect map"),
-        (Settings { errors: true, ..plain.clone() }, "no error statistics"),
         (Settings { direct: Direct::Photons, ..plain.clone() }, "--direct nee"),
         (Settings { transparent_background: true, ..plain.clone() }, "fog hides"),
         (

@@ -119,6 +119,16 @@ impl<T: Copy> CpuBuffer<T> {
         self.needed = 0;
     }
 
+    /// Makes it `needed` default elements, or as many as `fit`.
+    pub(crate) fn reset(&mut self, needed: usize, fit: usize)
+    where
+        T: Default,
+    {
+        self.clear();
+        self.needed = needed as u64;
+        self.data.resize(fit, T::default());
+    }
+
     /// Appends as many elements as fit, and counts all of them in `needed`.
     pub(crate) fn append(&mut self, more: &[T]) {
         let room = (self.capacity - self.data.len() as u64).min(more.len() as u64) as usize;

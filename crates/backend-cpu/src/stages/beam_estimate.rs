@@ -1,13 +1,19 @@
 //! The beam radiance estimate: light that photons of a medium scatter along a segment.
 
+use std::f32::consts::SQRT_2;
+
 use photon_core::glam::Vec3;
 use photon_core::phase::Phase;
-use photon_core::{BeamEstimator, BeamParams, Estimate, Query, Result, Segment, math};
+use photon_core::{
+    BeamEstimator, BeamParams, ErrorMoments, Estimate, EstimateBuffers, Query, Result, Segment, math, sampling,
+};
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
+use crate::map::power::Power as _;
 use crate::map::{CpuMap, Powers};
 use crate::scene::CpuScene;
+use crate::stages::error_moments::Sums;
 
 /// Segments per parallel task.
 const BLOCK: usize = 64;
@@ -24,21 +30,35 @@ impl BeamEstimator<Cpu> for CpuBeamEstimator {
         map: &CpuMap,
         segments: &CpuBuffer<Query>,
         params: &BeamParams,
-        estimates: &mut CpuBuffer<Estimate>,
+        buffers: EstimateBuffers<'_, Cpu>,
     ) -> Result<()> {
         let Powers::Colour(powers) = map.powers() else {
             return map.photon_format().check_full("photons in media");
         };
         let photons = Photons { map, powers };
-        estimates.clear();
-        estimates.needed = segments.data.len() as u64;
-        let fit = segments.data.len().min(estimates.capacity as usize);
-        estimates.data.resize(fit, Estimate::default());
+        let EstimateBuffers { estimates, error_moments } = buffers;
+        let needed = segments.data.len();
+        let fit = needed.min(estimates.capacity as usize);
+        let Some(error_moments) = error_moments else {
+            estimates.reset(needed, fit);
+            on.pool.install(|| {
+                let blocks = estimates.data.par_chunks_mut(BLOCK).zip(segments.data.par_chunks(BLOCK));
+                blocks.for_each(|(estimates, segments)| {
+                    for (estimate, query) in estimates.iter_mut().zip(segments) {
+                        (*estimate, _) = photons.along::<false>(scene, query, params);
+                    }
+                });
+            });
+            return Ok(());
+        };
+        let fit = fit.min(error_moments.capacity as usize);
+        estimates.reset(needed, fit);
+        error_moments.reset(needed, fit);
         on.pool.install(|| {
-            let blocks = estimates.data.par_chunks_mut(BLOCK).zip(segments.data.par_chunks(BLOCK));
-            blocks.for_each(|(estimates, segments)| {
-                for (estimate, query) in estimates.iter_mut().zip(segments) {
-                    *estimate = photons.along(scene, query, params);
+            let out = estimates.data.par_chunks_mut(BLOCK).zip(error_moments.data.par_chunks_mut(BLOCK));
+            out.zip(segments.data.par_chunks(BLOCK)).for_each(|((estimates, error_moments), segments)| {
+                for ((estimate, moments), query) in estimates.iter_mut().zip(error_moments).zip(segments) {
+                    (*estimate, *moments) = photons.along::<true>(scene, query, params);
                 }
             });
         });
@@ -53,20 +73,32 @@ struct Photons<'a> {
 }
 
 impl Photons<'_> {
-    /// Light that they scatter along a segment.
-    fn along(&self, scene: &CpuScene, query: &Query, params: &BeamParams) -> Estimate {
+    /// Light that they scatter along a segment; with `MOMENTS`, the error moments of the photons within √2 times the radius.
+    fn along<const MOMENTS: bool>(
+        &self,
+        scene: &CpuScene,
+        query: &Query,
+        params: &BeamParams,
+    ) -> (Estimate, ErrorMoments) {
         let segment = Segment::of(query);
         let (medium, _) = scene.medium(segment.media);
         match scene.columns(&segment, medium) {
-            None => self.sum(scene, query, params, |distance| distance.max(0.0)),
-            Some(columns) => self.sum(scene, query, params, |distance| columns.to(distance)),
+            None => self.sum::<MOMENTS>(scene, query, params, |distance| distance.max(0.0)),
+            Some(columns) => self.sum::<MOMENTS>(scene, query, params, |distance| columns.to(distance)),
         }
     }
 
-    /// The estimate, by the column to each distance along the segment.
-    fn sum(&self, scene: &CpuScene, query: &Query, params: &BeamParams, column: impl Fn(f32) -> f32) -> Estimate {
+    /// The same, by the column to each distance along the segment.
+    fn sum<const MOMENTS: bool>(
+        &self,
+        scene: &CpuScene,
+        query: &Query,
+        params: &BeamParams,
+        column: impl Fn(f32) -> f32,
+    ) -> (Estimate, ErrorMoments) {
         let Self { map, powers } = *self;
         let segment = Segment::of(query);
+        let Segment { origin, direction, length, .. } = segment;
         let (index, medium) = scene.medium(segment.media);
         let (extinction, phase) = (medium.extinction(), Phase::of(medium));
         // In dense media photons are closer together than a mean free path, or are noise.
@@ -74,21 +106,32 @@ impl Photons<'_> {
         let squared = radius * radius;
         let mut estimate = Estimate { radius_squared: squared, ..Estimate::default() };
         let mut sum = [0.0_f64; 3];
-        map.index().along(segment.origin.into(), segment.direction.into(), segment.length, radius, |slot, t, d2| {
-            let from_origin = Vec3::from(map.index().position(slot)) - segment.origin;
+        let mut sums = Sums::<[f64; 3]>::default();
+        let wide = if MOMENTS { SQRT_2 * radius } else { radius };
+        let (tangent, bitangent) = if MOMENTS { sampling::basis(direction) } else { (Vec3::ZERO, Vec3::ZERO) };
+        map.index().along(origin.into(), direction.into(), length, wide, |slot, t, d2| {
+            let from_origin = Vec3::from(map.index().position(slot)) - origin;
             if !map.has_medium(slot, index) || !segment.contains(from_origin) {
                 return;
             }
-            let weight =
-                params.kernel.weight((d2 / squared).min(1.0)) * phase.value(map.direction(slot), segment.direction);
-            let power = powers[slot as usize] * weight;
             let depth = extinction * column(t);
-            for c in 0..3 {
-                sum[c] += f64::from(power[c] * math::exp_neg(depth[c]));
+            let transmittance = Vec3::from(depth.to_array().map(math::exp_neg));
+            let power = powers[slot as usize] * phase.value(map.direction(slot), direction) * transmittance;
+            let u = d2 / squared;
+            if !MOMENTS || (d2 <= squared && (-8.0 * radius..=length + 8.0 * radius).contains(&t)) {
+                power.add(&mut sum, params.kernel.weight(u.min(1.0)));
+                estimate.photons += 1;
             }
-            estimate.photons += 1;
+            if MOMENTS {
+                let offset = from_origin / wide;
+                if 2.0 * u <= 1.0 {
+                    power.add(&mut sums.narrow, params.kernel.weight(2.0 * u));
+                }
+                power.add(&mut sums.wide, params.kernel.weight((0.5 * u).min(1.0)));
+                sums.add(f64::from(power.mean()), [offset.dot(tangent), offset.dot(bitangent)]);
+            }
         });
         estimate.flux = sum.map(|sum| sum as f32);
-        estimate
+        (estimate, sums.finish(|rgb| rgb))
     }
 }

@@ -79,12 +79,7 @@ fn estimate_with_moments_of<const FLAT: bool, P: PhotonPowers>(
             if offset.dot(normal).abs() > PhotonMoments::OFF_PLANE {
                 sums.stray += power;
             }
-            let (x, y) = (f64::from(offset.dot(tangent)), f64::from(offset.dot(bitangent)));
-            sums.power += power;
-            sums.power_squared += power * power;
-            sums.slope = [sums.slope[0] + power * x, sums.slope[1] + power * y];
-            sums.quadrupole = [sums.quadrupole[0] + power * (x * x - y * y), sums.quadrupole[1] + power * 2.0 * x * y];
-            sums.photons += 1;
+            sums.add(power, [offset.dot(tangent), offset.dot(bitangent)]);
             (sum, sums)
         },
     );
@@ -93,19 +88,29 @@ fn estimate_with_moments_of<const FLAT: bool, P: PhotonPowers>(
 
 /// [`ErrorMoments`], accumulated in f64.
 #[derive(Default)]
-struct Sums<F> {
-    wide: F,
-    narrow: F,
+pub(super) struct Sums<F> {
+    pub(super) wide: F,
+    pub(super) narrow: F,
     power: f64,
     power_squared: f64,
     slope: [f64; 2],
     quadrupole: [f64; 2],
-    stray: f64,
+    pub(super) stray: f64,
     photons: u32,
 }
 
 impl<F> Sums<F> {
-    fn finish(self, rgb: impl Fn(F) -> [f64; 3]) -> ErrorMoments {
+    /// Adds a photon of this mean power to the sums of the distribution, at its offset in units of the wide radius.
+    pub(super) fn add(&mut self, power: f64, offset: [f32; 2]) {
+        let [x, y] = offset.map(f64::from);
+        self.power += power;
+        self.power_squared += power * power;
+        self.slope = [self.slope[0] + power * x, self.slope[1] + power * y];
+        self.quadrupole = [self.quadrupole[0] + power * (x * x - y * y), self.quadrupole[1] + power * 2.0 * x * y];
+        self.photons += 1;
+    }
+
+    pub(super) fn finish(self, rgb: impl Fn(F) -> [f64; 3]) -> ErrorMoments {
         ErrorMoments {
             wide: rgb(self.wide).map(|x| x as f32),
             power: self.power as f32,

@@ -35,10 +35,8 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         estimates: &mut CpuBuffer<Estimate>,
     ) -> Result<()> {
         gather.validate_for(map.photon_format())?;
-        estimates.clear();
-        estimates.needed = queries.data.len() as u64;
-        let fit = queries.data.len().min(estimates.capacity as usize);
-        estimates.data.resize(fit, Estimate::default());
+        let needed = queries.data.len();
+        estimates.reset(needed, needed.min(estimates.capacity as usize));
         on.pool.install(|| {
             estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK)).try_for_each(|(out, queries)| {
                 // Neighbouring queries have similar radii, which the scratch memory remembers.
@@ -62,12 +60,10 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
     ) -> Result<()> {
         gather.validate_moments()?;
         gather.validate_for(map.photon_format())?;
-        estimates.clear();
-        error_moments.clear();
-        (estimates.needed, error_moments.needed) = (queries.data.len() as u64, queries.data.len() as u64);
-        let fit = queries.data.len().min(estimates.capacity.min(error_moments.capacity) as usize);
-        estimates.data.resize(fit, Estimate::default());
-        error_moments.data.resize(fit, ErrorMoments::default());
+        let needed = queries.data.len();
+        let fit = needed.min(estimates.capacity.min(error_moments.capacity) as usize);
+        estimates.reset(needed, fit);
+        error_moments.reset(needed, fit);
         on.pool.install(|| {
             let out = estimates.data.par_chunks_mut(BLOCK).zip(error_moments.data.par_chunks_mut(BLOCK));
             out.zip(queries.data.par_chunks(BLOCK)).for_each(|((estimates, error_moments), queries)| {

@@ -82,7 +82,7 @@ fn estimates(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
     let queries = queries(passes);
     for map in &passes.maps {
         if map.place == MapPlace::Medium {
-            estimate::beam::announce(on, map.gather.kernel, scene);
+            estimate::beam::announce(on, map.gather.kernel, scene, settings.errors);
             continue;
         }
         if passes.has_pilot {

@@ -11,7 +11,7 @@ mod widths;
 use bitflags::bitflags;
 use bytemuck::Zeroable;
 
-use crate::film::{Film, FilmPixel};
+use crate::film::{Film, FilmPixel, Layer};
 use crate::parallel;
 use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::scene::layout::{ErrorMoments, Estimate, Query};
@@ -234,10 +234,12 @@ impl Film {
         let quantile = student_975(n - 1.0);
         let to_user = self.units.radiance_to_user();
         // A surface without photons cannot be told from a dark one: if any pixel has photons, those whose
-        // first surface can store photons have to have some too.
+        // first surface can store photons have to have some too, and media in which shadow rays find light.
         let any = errors.iter().any(ErrorPixel::is_known);
         let is_asked = move |error: &ErrorPixel, pixel: &FilmPixel| {
-            error.is_known() || (any && pixel.hits > 0 && pixel.albedo.iter().any(|&a| a > 0.0))
+            let sees_medium = pixel.hits == 0 && pixel.layers[Layer::Direct as usize].iter().any(|&light| light > 0.0);
+            let sees_surface = pixel.hits > 0 && pixel.albedo.iter().any(|&a| a > 0.0);
+            error.is_known() || (any && (sees_surface || sees_medium))
         };
         // Standard error of a mean of n numbers, from their sum and the sum of their squares.
         let standard_error = move |sum: f64, square: f64| {

@@ -76,11 +76,6 @@ pub(super) fn check_media(scene: &SceneView<'_>, settings: &Settings) -> Result<
     if settings.indirect == Indirect::Gather {
         return refuse("indirect", "gather", "gather rays do not see such media yet: use --indirect map");
     }
-    if settings.errors {
-        let hint = "light in media has no error statistics yet: leave out --errors and --target-error, take --bandwidth shared, \
-                    and no preset with --time";
-        return refuse("errors", "enabled", hint);
-    }
     if !matches!(settings.estimator, Estimator::Radius { .. }) {
         return refuse(
             "estimator",

@@ -37,9 +37,9 @@ impl<B: TransportBackend> Pipeline<B> {
         (seconds, fixed): (Option<f64>, Fixed),
     ) -> Result<(Self, Option<Decision>)> {
         let begun = Instant::now();
-        // Light in media has no error statistics, and gather rays do not see it.
+        // Gather rays do not see light in media.
         let scatters = Solids::of(scene).features().contains(MediaFeatures::SCATTERING);
-        let fixed = Fixed { bandwidth: fixed.bandwidth || scatters, indirect: fixed.indirect || scatters, ..fixed };
+        let fixed = Fixed { indirect: fixed.indirect || scatters, ..fixed };
         let is_derived = matches!(settings.estimator, Estimator::Radius { radius: None });
         if fixed == Fixed::ALL || !is_derived || settings.irradiance_every.is_some() {
             return Ok((Self::new(on, scene, view, settings.clone())?, None));

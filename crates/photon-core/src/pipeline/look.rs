@@ -22,6 +22,9 @@ impl<B: TransportBackend> Pipeline<B> {
             }
         }
         self.direct_light(pass, shadow_sample)?;
+        if let (Some(segments), Some((_, Some(factors)))) = (&mut self.segments, &self.bandwidth) {
+            self.on.scale_radii(segments, factors)?;
+        }
         self.on.mark(None);
         Ok((self.on.fill(&self.queries)?.length, self.stages.eye.truncated(&mut self.on)?))
     }

@@ -2,7 +2,7 @@
 
 use super::slot::BuiltMap;
 use super::{PILOT_PASS, Pipeline, QUERIES_PER_PIXEL};
-use crate::backend::stages::{BeamParams, Pass};
+use crate::backend::stages::{BeamParams, EstimateBuffers, Pass};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::radii;
@@ -30,8 +30,13 @@ impl<B: TransportBackend> Pipeline<B> {
         let Some(estimates) = &mut self.estimates else { return Ok(()) };
         self.on.mark(Some(Stage::Estimate));
         let params = BeamParams { kernel: built.gather.kernel, radius: built.gather.radius_scale };
-        media.estimator.estimate(&mut self.on, &self.scene, &built.map, segments, &params, estimates)?;
+        let buffers = EstimateBuffers { estimates, error_moments: self.error_moments.as_mut() };
+        media.estimator.estimate(&mut self.on, &self.scene, &built.map, segments, &params, buffers)?;
         self.on.mark(Some(Stage::Film));
+        if let Some(error_moments) = &self.error_moments {
+            let film = &mut self.film;
+            self.on.accumulate_errors(film, built.kind, segments, estimates, error_moments, built.paths)?;
+        }
         self.on.accumulate(&mut self.film, built.kind.layer(), segments, estimates, built.paths)
     }
 
@@ -51,7 +56,8 @@ impl<B: TransportBackend> Pipeline<B> {
         // The second time within about the radius that is needed, since photons are not spread evenly.
         for _ in 0..2 {
             let params = BeamParams { kernel: self.settings.kernel, radius };
-            media.estimator.estimate(&mut self.on, &self.scene, map, segments, &params, estimates)?;
+            let buffers = EstimateBuffers { estimates, error_moments: None };
+            media.estimator.estimate(&mut self.on, &self.scene, map, segments, &params, buffers)?;
             self.on.download(estimates, &mut found)?;
             let mut counts: Vec<u32> =
                 found.iter().map(|estimate| estimate.photons).filter(|&count| count > 0).collect();

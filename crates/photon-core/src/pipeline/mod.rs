@@ -237,15 +237,15 @@ impl<B: TransportBackend> Pipeline<B> {
         let has_full_photons = stages.gloss_caustics.is_some() || stages.media.is_some();
         let format = if has_full_photons { PhotonFormat::Full } else { required.photon_format };
         // Two copies, in slots and compacted, and their estimates.
-        let segment = (2 * size_of::<Query>() + size_of::<Estimate>()) as u64;
+        let moments = if settings.errors { size_of::<ErrorMoments>() } else { 0 };
+        let segment = (2 * size_of::<Query>() + size_of::<Estimate>() + moments) as u64;
         let segments = stages.media.as_ref().map_or(0, |_| u64::from(medium::segments_per_pixel(&required)));
         let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);
         let plan = match settings.memory {
             Some(cap) => {
                 let tables: u64 = on.memory(&prepared).iter().map(|(_, bytes)| bytes).sum();
                 // Error statistics: those of a query, and a copy of those of a pixel for reading the film.
-                let (moments, copy) =
-                    if settings.errors { (size_of::<ErrorMoments>(), size_of::<ErrorPixel>()) } else { (0, 0) };
+                let copy = if settings.errors { size_of::<ErrorPixel>() } else { 0 };
                 // As they are found, and one after another.
                 let reflection = if stages.gloss_caustics.is_some() { 2 * size_of::<Query>() } else { 0 };
                 let query = costs.query + (moments + reflection) as u64;
@@ -272,8 +272,7 @@ impl<B: TransportBackend> Pipeline<B> {
         };
         let any_map = required.maps.any();
         let estimates = if any_map { Some(on.alloc("estimates", most_estimates)?) } else { None };
-        let error_moments =
-            if any_map && settings.errors { Some(on.alloc("spreads", pixels * per_pixel)?) } else { None };
+        let error_moments = if any_map && settings.errors { Some(on.alloc("spreads", most_estimates)?) } else { None };
         let schedule = Schedule::new(settings.alpha);
         let own_radii = Self::own_radii(&settings);
         let mut pipeline = Self {

@@ -1,6 +1,6 @@
 //! The beam radiance estimate: light that photons of a medium scatter along a segment.
 
-use photon_core::{BeamEstimator, BeamParams, Estimate, Kernel, PhotonFormat, Query, Result};
+use photon_core::{BeamEstimator, BeamParams, EstimateBuffers, Kernel, PhotonFormat, Query, Result};
 
 use super::search::{MapSearch, Mode, Question, Weighting};
 use crate::device::buffer::VulkanBuffer;
@@ -22,15 +22,23 @@ impl BeamEstimator<Vulkan> for VulkanBeamEstimator {
         map: &VulkanMap,
         segments: &VulkanBuffer<Query>,
         params: &BeamParams,
-        estimates: &mut VulkanBuffer<Estimate>,
+        buffers: EstimateBuffers<'_, Vulkan>,
     ) -> Result<()> {
         map.photon_format().check_full("photons in media")?;
-        let question = question(params.kernel, params.radius, &scene.kind, scene.address());
-        let result = (estimates.data_address(), estimates.count_address(), estimates.capacity());
+        let EstimateBuffers { estimates, error_moments } = buffers;
+        let mut question = question(params.kernel, params.radius, &scene.kind, scene.address());
+        let mut capacity = estimates.capacity();
+        if let Some(moments) = &error_moments {
+            question.error_moments = moments.data_address();
+            capacity = capacity.min(moments.capacity());
+        }
+        let result = (estimates.data_address(), estimates.count_address(), capacity);
         // Segments of neighbouring pixels are close to each other already.
         self.search.ask(on, map, (segments, 0..segments.capacity()), &question, 0, result)?;
         estimates.touch();
-        Ok(())
+        let Some(moments) = error_moments else { return Ok(()) };
+        let count = on.length(segments)?.min(capacity);
+        on.set_length(moments, count)
     }
 }
 
@@ -53,7 +61,8 @@ fn question(kernel: Kernel, radius: f32, scene: &SceneKind, address: u64) -> Que
     }
 }
 
-/// Requests the kernel.
-pub(crate) fn announce(on: &mut Vulkan, kernel: Kernel, scene: &SceneKind) {
-    MapSearch::default().kernel(on, &question(kernel, 1.0, scene, 0), PhotonFormat::Full, false);
+/// Requests the kernel, with or without moments of errors.
+pub(crate) fn announce(on: &mut Vulkan, kernel: Kernel, scene: &SceneKind, moments: bool) {
+    let question = Question { error_moments: moments.into(), ..question(kernel, 1.0, scene, 0) };
+    MapSearch::default().kernel(on, &question, PhotonFormat::Full, false);
 }

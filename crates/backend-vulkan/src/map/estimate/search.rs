@@ -174,7 +174,8 @@ specialized!(
 
 specialized!(
     segment_constants: SegmentConstants => SEARCH_SEGMENT,
-    2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 media: MediaFeatures, 8 turns: u32, 9 format: PhotonFormat;
+    2 tiles: u32, 3 ordered: bool, 4 kernel: u32, 5 media: MediaFeatures, 6 error_moments: bool, 8 turns: u32,
+    9 format: PhotonFormat;
     default shared_groups
 );
 
@@ -263,8 +264,15 @@ impl MapSearch {
                 on.kernel(&shaders::SEARCH_COUNT, workgroup, &CountConstants { tiles: TILES, ordered: false, turns })
             }
             Mode::Segment => {
-                let (kernel, media) = (question.kernel.number(), question.shading.media());
-                let constants = SegmentConstants { tiles: TILES, ordered: false, kernel, media, turns, format };
+                let constants = SegmentConstants {
+                    tiles: TILES,
+                    ordered: false,
+                    kernel: question.kernel.number(),
+                    media: question.shading.media(),
+                    error_moments: question.error_moments != 0,
+                    turns,
+                    format,
+                };
                 on.kernel(&shaders::SEARCH_SEGMENT, workgroup, &constants)
             }
             Mode::Nearest | Mode::Paper | Mode::Rows => {

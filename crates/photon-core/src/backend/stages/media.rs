@@ -1,9 +1,9 @@
 //! Stages of media that scatter light.
 
 use crate::backend::TransportBackend;
-use crate::backend::stages::{DirectLight, EyeTracer, Tracer};
+use crate::backend::stages::{DirectLight, EstimateBuffers, EyeTracer, Tracer};
 use crate::error::Result;
-use crate::scene::layout::{Estimate, Query};
+use crate::scene::layout::Query;
 use crate::settings::kernel::Kernel;
 
 /// Parameters of estimates along segments.
@@ -19,9 +19,10 @@ pub struct BeamParams {
 /// The beam radiance estimate of Jarosz, Zwicker and Jensen (2008): radiance that is scattered towards the start of a segment
 /// by all photons of a medium around it.
 pub trait BeamEstimator<B: TransportBackend>: Send {
-    /// Replaces `estimates` with one for each of `segments`, which are those of [`crate::Segment`]: [`Estimate::flux`] is the sum
-    /// over the photons of `map` within the radius, in the medium of the segment and between its planes, of
-    /// `W(d²/r²)·T·f·power`, where T is the transmittance from the start to the foot of the photon, and f the phase function.
+    /// Replaces the contents of `buffers` with those of `segments`, which are those of [`crate::Segment`]:
+    /// [`crate::Estimate::flux`] is the sum over the photons of `map` within the radius, in the medium of the segment and between
+    /// its planes, of `W(d²/r²)·T·f·power`, where T is the transmittance from the start to the foot of the photon, and f the
+    /// phase function. Error moments have `T·f·power` as the power of a photon, and the offset from its foot.
     ///
     /// # Errors
     /// Errors of the backend.
@@ -32,7 +33,7 @@ pub trait BeamEstimator<B: TransportBackend>: Send {
         map: &B::PhotonMap,
         segments: &B::Buffer<Query>,
         params: &BeamParams,
-        estimates: &mut B::Buffer<Estimate>,
+        buffers: EstimateBuffers<'_, B>,
     ) -> Result<()>;
 }
 

@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use super::Pipeline;
-use super::small_pass::reduced;
 use crate::backend::stages::View;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
@@ -14,11 +13,9 @@ use crate::scene::solids::Solids;
 use crate::settings::rule::{Circumstances, Decision, FirstPass, Fixed, VISIBLE_CAUSTIC};
 use crate::settings::{Direct, Estimator, Settings};
 
-/// Pixels of the first pass on a CPU. A share of 5 % of them has a standard error of 0.3 %.
+/// Pixels and paths of the first pass on a CPU. A share of 5 % of so many pixels has a standard error of 0.3 %.
 const PIXELS: f64 = 4096.0;
-
-/// Most paths of the first pass on a GPU.
-const WHOLE: u32 = 1 << 20;
+const PATHS: f64 = 16384.0;
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Makes a renderer whose settings are decided by the facts of a first pass: [`Settings::for_time`]. `seconds` are those for
@@ -48,7 +45,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let within = Circumstances { seconds, pixels, is_gpu: on.is_gpu(), fixed };
         let begin = settings.for_first_pass(&within);
         let mut pipeline = Self::new(on, scene, view, begin.clone())?;
-        let Some(mut first) = pipeline.first_pass(within.is_gpu)? else {
+        let Some(mut first) = pipeline.first_pass()? else {
             return Ok((pipeline.with_settings(scene, settings.clone())?, None));
         };
         first.seconds_left = seconds.map_or(f64::INFINITY, |seconds| seconds - begun.elapsed().as_secs_f64());
@@ -66,11 +63,8 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Renders a pass three times, each into a film of its own: with other random numbers, and with other ones for shadow rays
     /// alone. On a GPU these are whole passes, which take milliseconds, but for rays of a query beyond a few; otherwise they have
     /// few pixels and paths. `None` if no surface is seen.
-    fn first_pass(&mut self, is_whole: bool) -> Result<Option<FirstPass>> {
-        let small = if is_whole { self.view } else { reduced(self.view, PIXELS) };
-        let paths = if is_whole { WHOLE } else { 4 * PIXELS as u32 };
-        // Paths that were asked for may be many, of which many more may be aimed.
-        let paths = self.settings.photons.min(paths).min(self.paths_of(4.0 * f64::from(paths)));
+    fn first_pass(&mut self) -> Result<Option<FirstPass>> {
+        let (small, paths) = self.telling_size(PIXELS, PATHS);
         let again = self.small_pass(small, paths, (1, 0))?;
         let with_other_shadow_rays = self.small_pass(small, paths, (0, 1))?;
         let small = self.small_pass(small, paths, (0, 0))?;

@@ -4,12 +4,12 @@ use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use super::Pipeline;
-use super::small_pass::{Seconds, reduced};
+use super::small_pass::Seconds;
 use crate::backend::TransportBackend;
 use crate::error::Result;
 use crate::radius::radii;
 
-/// Paths and pixels of the pass that is timed. On few photons and pixels much of the time is that of starting threads: what a whole
+/// Paths and pixels of the pass that is timed on a CPU. On few photons and pixels much of the time is that of starting threads: what a whole
 /// pass takes is overestimated, which costs little, as there are more passes then.
 const PATHS: f64 = 8192.0;
 const PIXELS: f64 = 1024.0;
@@ -25,7 +25,7 @@ impl<B: TransportBackend> Pipeline<B> {
             return Ok(None);
         }
         let begun = Instant::now();
-        let (small, paths) = (reduced(self.view, PIXELS), self.paths_of(PATHS));
+        let (small, paths) = self.telling_size(PIXELS, PATHS);
         let left = || time.saturating_sub(begun.elapsed()).as_secs_f64();
         let small_pass = self.small_pass(small, paths, (0, 0))?;
         let (mut timed, sample) = (small_pass.whole, small_pass.camera + small_pass.whole.shadow_rays);
@@ -76,13 +76,6 @@ impl<B: TransportBackend> Pipeline<B> {
             let _ = write!(text, "{comma} and takes about {least:.1} s even so: fewer pixels take less");
         }
         Ok(Some(text))
-    }
-
-    /// The number of paths that are not aimed, such that all are about `most` in number.
-    pub(super) fn paths_of(&self, most: f64) -> u32 {
-        let paths = f64::from(self.settings.photons);
-        let all = paths + f64::from(self.aimed_paths(self.settings.photons).unwrap_or(0));
-        (paths * (most / all).min(1.0)).max(1.0) as u32
     }
 }
 

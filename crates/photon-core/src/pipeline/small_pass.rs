@@ -11,6 +11,9 @@ use crate::settings::{Estimator, Settings};
 /// Most shadow rays, and most final-gather rays, of a query.
 const RAYS: u32 = 8;
 
+/// Most paths of a small pass on a GPU.
+const WHOLE: f64 = 1_048_576.0;
+
 /// Results of a small pass.
 pub(super) struct SmallPass {
     pub(super) film: Film,
@@ -46,6 +49,21 @@ impl Seconds {
 }
 
 impl<B: TransportBackend> Pipeline<B> {
+    /// View and paths of a small pass: of about so many pixels, and of so many paths or those of the settings, if these are fewer.
+    /// On a GPU, where few take as long as many, the whole picture and at most 2²⁰ paths.
+    pub(super) fn telling_size(&self, pixels: f64, paths: f64) -> (View, u32) {
+        let (small, paths) = if self.on.is_gpu() { (self.view, WHOLE) } else { (reduced(self.view, pixels), paths) };
+        // Many more may be aimed.
+        (small, (paths as u32).min(self.settings.photons).min(self.paths_of(4.0 * paths)))
+    }
+
+    /// The number of paths that are not aimed, such that all are about `most` in number.
+    fn paths_of(&self, most: f64) -> u32 {
+        let paths = f64::from(self.settings.photons);
+        let all = paths + f64::from(self.aimed_paths(self.settings.photons).unwrap_or(0));
+        (paths * (most / all).min(1.0)).max(1.0) as u32
+    }
+
     /// Renders pass `index` with `paths` paths and the pixels of `small` with random numbers of its own, into a film of its own;
     /// shadow rays have those of camera sample `shadows`. Photons that are
     /// searched for in derived radii are as many for an estimate as in a whole pass.
@@ -113,7 +131,7 @@ impl<B: TransportBackend> Pipeline<B> {
 }
 
 /// The view with at most so many pixels.
-pub(super) fn reduced(whole: View, pixels: f64) -> View {
+fn reduced(whole: View, pixels: f64) -> View {
     let part = (pixels / (f64::from(whole.width) * f64::from(whole.height))).sqrt().min(1.0);
     let side = |length: u32| ((f64::from(length) * part) as u32).clamp(1, pixels as u32);
     View { width: side(whole.width), height: side(whole.height), ..whole }

@@ -48,6 +48,12 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
             Equiangular angles = equiangular_new(a.xyz, b.xyz, end, c.xyz);
             return floats(vec4(equiangular_density(angles, u * end), 0.0, 0.0, 0.0), vec4(0.0));
         }
+        // The power now and at the start, a position.
+        case 7u: {
+            vec3 left;
+            bool goes_on = flight_thinned(a.xyz, b.xyz, c.xyz, u, left);
+            return floats(goes_on ? vec4(left, 1.0) : vec4(0.0), vec4(0.0));
+        }
         default:
             return floats(
                 vec4(exponential_sample(a.x, end, u), exponential_density(a.x, end, v * end), 0.0, 0.0), vec4(0.0));

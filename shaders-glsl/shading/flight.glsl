@@ -116,6 +116,17 @@ float flight_deposit(Medium medium, vec3 power, float end, uint count, float u, 
     return far;
 }
 
+// Roulette at a collision at `position`, in a medium without bounds; `start` is the power that the path started with. Whether
+// it goes on, then with the power `left`.
+bool flight_thinned(vec3 power, vec3 start, vec3 position, float u, out vec3 left) {
+    precise float far = sqrt(dot3(position, position));
+    precise float chance = flight_total(power) / (flight_total(start) * far);
+    precise vec3 survivor = power / chance;
+    bool thins = far > 1.0 && chance < 1.0;
+    left = thins ? survivor : power;
+    return !thins || u < chance;
+}
+
 // Transmittance of each channel over a distance: Beer and Lambert's law.
 vec3 medium_transmittance(Medium medium, float far) {
     return exp_neg3(flight_depth(medium_extinction(medium), far));

@@ -9,8 +9,6 @@
 
 layout(local_size_x_id = 1) in;
 layout(constant_id = 3) const uint WANTED = 7;
-// Number of fates: one more if paths are aimed.
-layout(constant_id = 4) const uint FATES = 4;
 
 #include "shading/constants.glsl"
 #include "device/grid.glsl"
@@ -34,8 +32,8 @@ layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // Two words each: paths by fate, surfaces, photons by map, paths nested in too many solids. Then three words
 // for each channel of the emitted flux, and of the flux by fate.
-const uint COUNTERS = FATES + 2u + MAP_COUNT;
-const uint FLUXES = 3u + 3u * FATES;
+const uint COUNTERS = FATE_COUNT + 2u + MAP_COUNT;
+const uint FLUXES = 3u + 3u * FATE_COUNT;
 const uint WORDS = 2u * COUNTERS + 3u * FLUXES;
 
 shared uint total[WORDS];
@@ -93,18 +91,18 @@ void main() {
             int64_t left = fixed_flux(ending.power[c]);
             low[c] += uint64_t(uint(uint64_t(emitted)));
             high[c] += emitted >> 32;
-            [[unroll]] for (uint f = 0u; f < FATES; ++f) {
+            [[unroll]] for (uint f = 0u; f < FATE_COUNT; ++f) {
                 // The power that a path lost before its end was absorbed on the way.
                 int64_t part = (fate == f ? left : 0l) + (f == FATE_ABSORBED ? emitted - left : 0l);
                 low[3u + 3u * f + c] += uint64_t(uint(uint64_t(part)));
                 high[3u + 3u * f + c] += part >> 32;
             }
         }
-        [[unroll]] for (uint f = 0u; f < FATES; ++f) counters[f] += fate == f ? 1u : 0u;
-        counters[FATES] += ending.fate_surfaces & SURFACES_MASK;
-        counters[FATES + 1u + MAP_COUNT] += (ending.fate_surfaces & TOO_DEEP) != 0u ? 1u : 0u;
+        [[unroll]] for (uint f = 0u; f < FATE_COUNT; ++f) counters[f] += fate == f ? 1u : 0u;
+        counters[FATE_COUNT] += ending.fate_surfaces & SURFACES_MASK;
+        counters[FATE_COUNT + 1u + MAP_COUNT] += (ending.fate_surfaces & TOO_DEEP) != 0u ? 1u : 0u;
         [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
-            if ((WANTED >> map & 1u) != 0u) counters[FATES + 1u + map] += push.stored[map * push.count + index].at;
+            if ((WANTED >> map & 1u) != 0u) counters[FATE_COUNT + 1u + map] += push.stored[map * push.count + index].at;
         }
     }
     [[unroll]] for (uint i = 0u; i < COUNTERS; ++i) add2(2u * i, counters[i]);

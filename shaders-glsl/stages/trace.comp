@@ -281,8 +281,7 @@ uint step_path(inout Path path, Hit hit) {
     Interface sides = media_interface(push.scene, material, at.front, path.media);
     if (SCATTERING) {
         uint crossing = fly(path, sides.before, at.t);
-        if (crossing == CROSSING_ABSORBED) return FATE_ABSORBED;
-        if (crossing == CROSSING_COLLIDES) return after_collision(path.collisions);
+        if (crossing != CROSSING_PASSES) return after_collision(crossing, path.collisions);
     } else if (may_attenuate(sides.before)) {
         path.power = photon_times(path.power, transmittance(push.scene, path.ray, at.t, sides.before));
     }

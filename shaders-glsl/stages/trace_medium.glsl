@@ -58,6 +58,8 @@ void deposit(inout Path path, uint index, float from, float to, float column, ui
 const uint CROSSING_PASSES = 0u;
 const uint CROSSING_COLLIDES = 1u;
 const uint CROSSING_ABSORBED = 2u;
+// It ends far from the scene, and others stand for it: the power is 0.
+const uint CROSSING_THINNED = 3u;
 
 // Follows the part of the ray between two distances, in the medium with this index, which scatters light; `media` are those
 // of the solids around it. Aimed paths never collide: the power of those that would is left out.
@@ -83,6 +85,14 @@ uint cross_medium(inout Path path, uint media, uint index, float from, float to,
     path.media = media;
     path.specular_only = false;
     ++path.collisions;
+    // The medium around everything has no bounds.
+    if (AMBIENT && index == 0u) {
+        vec3 start = push.rays[push.chunk.first + path.index].at.power;
+        vec3 left;
+        bool goes_on = flight_thinned(path.power, start, path.ray.origin, unit_f32(words.w), left);
+        path.power = goes_on ? left : vec3(0.0);
+        if (!goes_on) return CROSSING_THINNED;
+    }
     return CROSSING_COLLIDES;
 }
 
@@ -104,14 +114,17 @@ uint fly(inout Path path, uint media, float end) {
     return CROSSING_PASSES;
 }
 
-// Fate of a path after a collision, or FATE_NONE.
-uint after_collision(uint collisions) { return collisions > FLIGHT_MAX_COLLISIONS ? FATE_TRUNCATED : FATE_NONE; }
+// Fate of a path in a medium that did not pass it, or FATE_NONE if it goes on.
+uint after_collision(uint crossing, uint collisions) {
+    if (crossing == CROSSING_ABSORBED) return FATE_ABSORBED;
+    if (crossing == CROSSING_THINNED) return FATE_TERMINATED;
+    return collisions > FLIGHT_MAX_COLLISIONS ? FATE_TRUNCATED : FATE_NONE;
+}
 
 // How a path that meets no surface ends, or FATE_NONE if it collides before it is too far away.
 uint leave_scene(inout Path path) {
     uint crossing = fly(path, path.media, NO_LIMIT);
-    if (crossing == CROSSING_COLLIDES) return after_collision(path.collisions);
-    return crossing == CROSSING_ABSORBED ? FATE_ABSORBED : FATE_ESCAPED;
+    return crossing == CROSSING_PASSES ? FATE_ESCAPED : after_collision(crossing, path.collisions);
 }
 
 #endif

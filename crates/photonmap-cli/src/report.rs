@@ -166,6 +166,7 @@ fn by_name<T: Into<Value>>(values: PerMap<T>) -> Value {
 fn counters(tally: &Tally, aimed: &Tally, truncated_camera_paths: u64) -> Value {
     json!({
         "emitted": tally.emitted,
+        "ceded": tally.terminated,
         "absorbed": tally.absorbed,
         "escaped": tally.escaped,
         "truncated": tally.truncated,

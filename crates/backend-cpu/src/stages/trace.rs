@@ -232,7 +232,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         tally.flux_emitted.add(flux);
     }
     let most_total = most_total_reflections(walk.max_bounces);
-    let mut in_medium = MediumWalk::new(pass, start.path, aimed);
+    let mut in_medium = MediumWalk::new(pass, start, aimed);
     let mut bounce = first;
     while bounce < walk.max_bounces {
         // NaN fails the comparison too.
@@ -276,6 +276,9 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                         return tally.end(Fate::Absorbed, flux);
                     }
                     carry(power, &mut flux, tally);
+                    if matches!(crossing, Crossing::Thinned) {
+                        return tally.end(Fate::Terminated, flux);
+                    }
                     if let Crossing::Collides(next) = crossing {
                         (ray, specular_only) = (next, false);
                         if in_medium.collisions > MAX_COLLISIONS {
@@ -313,6 +316,9 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 return tally.end(Fate::Absorbed, flux);
             }
             carry(power, &mut flux, tally);
+            if matches!(crossing, Crossing::Thinned) {
+                return tally.end(Fate::Terminated, flux);
+            }
             if let Crossing::Collides(next) = crossing {
                 (ray, specular_only, media) = (next, false, interface.before);
                 if in_medium.collisions > MAX_COLLISIONS {

@@ -50,6 +50,11 @@ pub(super) fn rows() -> Vec<Row> {
             let (extinction, end) = (i.float(0), i.float(3));
             output([exponential(extinction, end, i.float(7)), exponential_density(extinction, end, i.float(11) * end)])
         }),
+        // A square root and two divisions.
+        row("flight_thinned", 7, Bound::Relative(1e-6), far_away, |i| {
+            let left = flight::thinned(i.vector(0), i.vector(4), i.vector(8), i.float(7));
+            left.map_or(output([0.0; 4]), |left| output([left.x, left.y, left.z, 1.0]))
+        }),
     ]
 }
 
@@ -116,6 +121,19 @@ fn stretch(d: &mut Draw) -> Input {
     let mut channel = || d.pick(&[0.0, 1.0, 1.0]) * d.magnitude(-6, 3);
     let [r, s, t] = [(); 3].map(|()| channel());
     input([a.max(1e-6), b, c, end], [e, f, g, d.unit()], [r.max(1e-3), s, t, d.unit()])
+}
+
+/// A power now and at the start, a random number, and a position.
+fn far_away(d: &mut Draw) -> Input {
+    let mut power = |share: f32| [(); 3].map(|()| share * d.pick(&[0.0, 1.0, 1.0]) * d.magnitude(-3, 0));
+    let ([r, s, t], [x, y, z]) = (power(1.0), power(1.0));
+    let share = d.pick(&[1.0, 1.0, 40.0]);
+    let position = d.direction() * d.magnitude(-2, 8);
+    input(
+        [share * r, share * s, share * t, 0.0],
+        [x.max(1e-3), y, z, d.unit()],
+        [position.x, position.y, position.z, 0.0],
+    )
 }
 
 /// A segment, and a point.

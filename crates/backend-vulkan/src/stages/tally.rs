@@ -2,28 +2,20 @@
 
 use photon_core::{Fate, FluxSum, MapKind, PerMap, Tally};
 
-/// Number of fates of ordinary paths; aimed paths have one more.
-pub(crate) const FATES: usize = Fate::COUNT - 1;
-pub(crate) const AIMED_FATES: usize = Fate::COUNT;
-
 /// Counters summed on the device: one for each fate, one for surfaces hit, one for each map, and one for paths
 /// nested in too many solids.
-const fn counters(fates: usize) -> usize {
-    fates + 2 + MapKind::COUNT
-}
+const COUNTERS: usize = Fate::COUNT + 2 + MapKind::COUNT;
 
 /// Words summed on the device: two for each counter; then fluxes of three channels of three words each, one for
 /// each fate and one for the emitted flux.
-pub(crate) const fn words(fates: usize) -> usize {
-    2 * counters(fates) + 9 * (fates + 1)
-}
+pub(crate) const WORDS: usize = 2 * COUNTERS + 9 * (Fate::COUNT + 1);
 
 /// Converts these words into the tally of `emitted` paths.
-pub(crate) fn tally(words: &[u32], fates: usize, emitted: u64) -> Tally {
+pub(crate) fn tally(words: &[u32; WORDS], emitted: u64) -> Tally {
     let counter = |i: usize| u64::from(words[2 * i]) | u64::from(words[2 * i + 1]) << 32;
     let flux = |i: usize| {
         FluxSum::from_units(std::array::from_fn(|c| {
-            let at = 2 * counters(fates) + 3 * (3 * i + c);
+            let at = 2 * COUNTERS + 3 * (3 * i + c);
             // Two's complement of 96 bits.
             let low = i128::from(words[at]) | i128::from(words[at + 1]) << 32;
             low | i128::from(words[at + 2] as i32) << 64
@@ -35,16 +27,16 @@ pub(crate) fn tally(words: &[u32], fates: usize, emitted: u64) -> Tally {
         escaped: counter(1),
         truncated: counter(2),
         dropped: counter(3),
-        terminated: if fates == AIMED_FATES { counter(4) } else { 0 },
-        surfaces: counter(fates),
-        stored: PerMap::from_fn(|kind| counter(fates + 1 + kind as usize)),
-        too_deep: counter(fates + 1 + MapKind::COUNT),
+        terminated: counter(4),
+        surfaces: counter(Fate::COUNT),
+        stored: PerMap::from_fn(|kind| counter(Fate::COUNT + 1 + kind as usize)),
+        too_deep: counter(Fate::COUNT + 1 + MapKind::COUNT),
         flux_emitted: flux(0),
         flux_absorbed: flux(1),
         flux_escaped: flux(2),
         flux_truncated: flux(3),
         flux_dropped: flux(4),
-        flux_terminated: if fates == AIMED_FATES { flux(5) } else { FluxSum::default() },
+        flux_terminated: flux(5),
     }
 }
 
@@ -54,13 +46,13 @@ mod tests {
 
     #[test]
     fn words_are_whole_numbers_of_96_bits() {
-        let mut words = [0; words(FATES)];
+        let mut words = [0; WORDS];
         words[0] = 5;
         words[1] = 1;
         // Minus one, in the first channel of the emitted flux.
-        let flux = 2 * counters(FATES);
+        let flux = 2 * COUNTERS;
         words[flux..flux + 3].fill(u32::MAX);
-        let tally = tally(&words, FATES, 9);
+        let tally = tally(&words, 9);
         assert_eq!((tally.emitted, tally.absorbed), (9, (1 << 32) + 5));
         assert_eq!(tally.flux_emitted, FluxSum::from_units([-1, 0, 0]));
         assert!(!tally.balances());

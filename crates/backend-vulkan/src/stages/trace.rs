@@ -20,7 +20,7 @@ use self::push::{
     TracePush,
 };
 use self::scratch::{CURSORS, PLACE, ROUNDS, TOTALS, TraceScratch};
-use super::tally::{AIMED_FATES, FATES, tally, words};
+use super::tally::{WORDS, tally};
 use crate::device::buffer::VulkanBuffer;
 use crate::device::{ComputePipeline, Memory};
 use crate::scan::Scan;
@@ -56,8 +56,8 @@ pub(crate) struct VulkanTracer {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PhotonPaths {
     scheduling: Scheduling,
-    /// Number of fates, of aimed paths or of others.
-    fates: usize,
+    /// Whether paths are aimed: they end at the first diffuse surface.
+    is_aimed: bool,
     /// Whether photons are those of [`photon_core::GlossCaustics`].
     reflections: bool,
     /// Whether photons are those of [`photon_core::MediaStages`].
@@ -71,7 +71,7 @@ type Targets<'a> = PerMap<Option<&'a VulkanBuffer<Photon>>>;
 
 impl VulkanTracer {
     pub(crate) fn new(on: &mut Vulkan, settings: &Settings, paths: PhotonPaths) -> Result<Self> {
-        let bytes = 4 * words(paths.fates) as u64;
+        let bytes = 4 * WORDS as u64;
         let sums = on.memory("tally", bytes)?;
         on.fill_words(&sums, 0, bytes, 0)?;
         Ok(Self {
@@ -90,12 +90,12 @@ impl PhotonPaths {
     /// All paths that are not aimed.
     pub(crate) fn new(settings: &Settings) -> Self {
         let scheduling = settings.scheduling;
-        Self { scheduling, fates: FATES, reflections: false, in_media: false, caustic_roughness: None }
+        Self { scheduling, is_aimed: false, reflections: false, in_media: false, caustic_roughness: None }
     }
 
     /// Aimed paths, which end at the first diffuse surface.
     pub(crate) fn aimed(settings: &Settings) -> Self {
-        Self { fates: AIMED_FATES, ..Self::new(settings) }
+        Self { is_aimed: true, ..Self::new(settings) }
     }
 
     /// Those of [`photon_core::GlossCaustics`]: aimed or not, they end at the first surface that is not perfectly specular.
@@ -118,7 +118,7 @@ impl PhotonPaths {
             wanted: wanted.bits(),
             dynamic: self.scheduling == Scheduling::Dynamic,
             busy: plan.busy,
-            aimed: self.fates == AIMED_FATES,
+            aimed: self.is_aimed,
             media: scene.media,
             reflections: self.reflections,
             shared_groups: plan.shared_groups,
@@ -136,7 +136,7 @@ impl PhotonPaths {
         };
         let format = formats.iter().map(format).sum();
         [
-            on.kernel(&shaders::STAGES_TALLY, GROUP, &TallyConstants { wanted, fates: self.fates as u32 }),
+            on.kernel(&shaders::STAGES_TALLY, GROUP, &TallyConstants { wanted }),
             on.kernel(&shaders::STAGES_TRACE_REORDER, 256, &ReorderConstants { format }),
             on.kernel(&shaders::STAGES_TRACE_ADVANCE, 32, &AdvanceConstants { wanted }),
         ]
@@ -184,10 +184,10 @@ impl Tracer<Vulkan> for VulkanTracer {
     }
 
     fn take_tally(&mut self, on: &mut Vulkan) -> Result<Tally> {
-        let mut words = vec![0_u32; words(self.paths.fates)];
+        let mut words = [0_u32; WORDS];
         on.read(&self.sums, 0, bytemuck::cast_slice_mut(&mut words))?;
         on.fill_words(&self.sums, 0, 4 * words.len() as u64, 0)?;
-        Ok(tally(&words, self.paths.fates, std::mem::take(&mut self.emitted)))
+        Ok(tally(&words, std::mem::take(&mut self.emitted)))
     }
 
     fn required_format(&self) -> PhotonFormat {
@@ -253,7 +253,7 @@ impl VulkanTracer {
     fn most(&self, targets: &Targets<'_>, count: u64) -> u64 {
         let held = targets.values().flatten().map(|target| target.capacity()).sum::<u64>();
         let stretches = u64::from(self.max_bounces);
-        let each = match (self.paths.in_media, self.paths.fates == AIMED_FATES) {
+        let each = match (self.paths.in_media, self.paths.is_aimed) {
             // After the first collision one photon for each stretch.
             (true, _) => stretches * u64::from(FOCUSED_DEPOSITS) + u64::from(MAX_COLLISIONS) + 1,
             // An aimed path stores at most one photon, at its end.

@@ -14,7 +14,8 @@ pub enum Fate {
     Truncated,
     /// A number was no longer finite; the path was given up.
     Dropped,
-    /// An aimed path met something diffuse; other paths continue from there.
+    /// An aimed path met something diffuse, or a path in a medium without bounds was thinned out far from the scene; other
+    /// paths stand for the rest of it.
     Terminated,
 }
 
@@ -104,7 +105,8 @@ pub struct Tally {
     pub truncated: u64,
     /// Paths given up because a number was not finite.
     pub dropped: u64,
-    /// Aimed paths that met something diffuse; other paths account for the light from there on.
+    /// Aimed paths that met something diffuse, and paths that were thinned out: [`crate::flight::thinned`]. Other paths account
+    /// for the light from there on.
     pub terminated: u64,
     /// Surfaces met.
     pub surfaces: u64,
@@ -114,7 +116,7 @@ pub struct Tally {
     pub stored: PerMap<u64>,
     /// Flux emitted by the lights.
     pub flux_emitted: FluxSum,
-    /// Flux absorbed by surfaces and solids.
+    /// Flux absorbed by surfaces and solids, with what thinned paths lose less what those that stand for them gain: 0 in the mean.
     pub flux_absorbed: FluxSum,
     /// Flux that left the scene.
     pub flux_escaped: FluxSum,

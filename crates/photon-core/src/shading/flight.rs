@@ -119,6 +119,23 @@ pub fn deposit(medium: &Medium, power: Vec3, end: f32, count: u32, [u, v]: [f32;
     (distance, power * scattered / (shares.dot(density) * count as f32))
 }
 
+/// Russian roulette at a collision at `position`, in a medium without bounds: the power with which a path that started with
+/// `start` goes on, or `None`. `u` decides.
+///
+/// A random walk returns to the unit sphere from a distance d > 1 with probability 1/d. Few paths that return, each of d times
+/// the power it started with, then stand for as many as without roulette: the mean stays the same, and paths end soon.
+#[inline]
+#[must_use]
+pub fn thinned(power: Vec3, start: Vec3, position: Vec3, u: f32) -> Option<Vec3> {
+    let distance = position.length();
+    let chance = power.element_sum() / (start.element_sum() * distance);
+    // All surfaces are in the unit sphere. Numbers that are not finite end the path elsewhere.
+    if !(distance > 1.0 && chance < 1.0) {
+        return Some(power);
+    }
+    if u < chance { Some(power / chance) } else { None }
+}
+
 /// Transmittance of each channel over a distance (Beer–Lambert law).
 #[inline]
 #[must_use]
@@ -130,6 +147,7 @@ pub fn transmittance(medium: &Medium, distance: f32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::phase::Phase;
     use crate::random::{SplitMix64, unit_f32};
 
     fn media() -> [Medium; 4] {
@@ -183,6 +201,64 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Of many paths at a place, those that go on have the power of all; near the scene all go on unchanged.
+    #[test]
+    fn thinned_paths_keep_their_power() {
+        const N: u32 = 10_000;
+        let start = Vec3::new(0.9, 1.2, 0.3);
+        for position in [Vec3::X, Vec3::new(0.9, 0.9, 0.1), Vec3::new(-40.0, 3.0, 7.0), Vec3::new(0.0, 1e4, 0.0)] {
+            for power in [start, Vec3::new(0.2, 0.1, 0.0), 30.0 * start] {
+                let places = (0..N).map(|i| (i as f32 + 0.5) / N as f32);
+                let left: Vec<Vec3> = places.filter_map(|u| thinned(power, start, position, u)).collect();
+                let chance = power.element_sum() / start.element_sum() / position.length();
+                let kept = if position.length() > 1.0 { chance.min(1.0) } else { 1.0 };
+                let expected = f64::from(kept) * f64::from(N);
+                assert!(
+                    (left.len() as f64 - expected).abs() <= 1.0,
+                    "{position} {power}: {} of {expected}",
+                    left.len()
+                );
+                // Each stands for those that ended.
+                assert!(left.iter().all(|left| (*left * kept).distance(power) <= 1e-6 * power.length()));
+            }
+        }
+    }
+
+    /// Random walks from the centre collide as often within the unit sphere with roulette as without, in a fraction of the steps.
+    #[test]
+    fn thinned_walks_return_as_often() {
+        const N: u32 = 4_000;
+        let medium = Medium { scattering: [1.0; 3], ..Medium::VACUUM };
+        let mut next = numbers();
+        let mut walk = |thins: bool| {
+            let (mut sums, mut steps) = ([0.0_f64; 2], 0_u32);
+            for _ in 0..N {
+                let (mut position, mut power, mut within) = (Vec3::ZERO, Vec3::ONE, 0.0);
+                for _ in 0..400 {
+                    let Flight::Collides(found) = sample(&medium, power, FAR, next()) else { break };
+                    position += Phase::HenyeyGreenstein(0.0).sample(Vec3::X, next()) * found.distance;
+                    power = found.power;
+                    steps += 1;
+                    if position.length() < 1.0 {
+                        within += f64::from(power.x);
+                    }
+                    if thins {
+                        let Some(left) = thinned(power, Vec3::ONE, position, next()[0]) else { break };
+                        power = left;
+                    }
+                }
+                sums[0] += within;
+                sums[1] += within * within;
+            }
+            let [mean, square] = sums.map(|sum| sum / f64::from(N));
+            (mean, (square - mean * mean) / f64::from(N), steps)
+        };
+        let ((all, first, long), (few, second, short)) = (walk(false), walk(true));
+        let error = (first + second).sqrt();
+        assert!((all - few).abs() <= 4.5 * error && error < 0.05 * all, "{all} {few} ± {error}");
+        assert!(short < long / 5, "{short} of {long} steps");
     }
 
     /// The photons left on a stretch have the power that is scattered there, in the mean and by places.

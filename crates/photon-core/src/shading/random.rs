@@ -27,7 +27,7 @@
 //! | shadow rays | ray r of the query | light · point or direction, u · the same, v · light (low), alpha |
 //! | final gathering | r · (max bounces + 1), ray r | direction, u · direction, v · – · – |
 //! | final gathering | r · (max bounces + 1) + n, surface n from 1 | choice of the lobe · direction, u · direction, v · alpha |
-//! | flights | 2n, after n surfaces and collisions | channel · length · roulette · – |
+//! | flights | 2n, after n surfaces and collisions | channel · length · roulette · thinning |
 //! | flights | 2n + 1 | phase function, u · phase function, v · – · – |
 //! | deposits in media | n, after n surfaces and collisions; aimed paths: + 2³¹ | channel · place · – · – |
 //! | camera segments | ray r of the segment | light · point, u · point, v · place on the segment |

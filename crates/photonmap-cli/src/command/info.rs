@@ -70,11 +70,9 @@ fn counted(info: &FilmInfo) -> Vec<(&'static str, String)> {
     if *passes == 0 {
         return vec![("paths", "not counted: the film was written by an older version".to_owned())];
     }
-    let of = |tally: &Tally| {
+    let of = |tally: &Tally, how: &str| {
         let Tally { emitted, absorbed, escaped, terminated, truncated, dropped, .. } = tally;
-        // Aimed paths only.
-        let terminated =
-            if *terminated > 0 { format!("{terminated} ended at diffuse surfaces, ") } else { String::new() };
+        let terminated = if *terminated > 0 { format!("{terminated} {how}, ") } else { String::new() };
         let balance = if tally.balances() { "" } else { "; WRONG: they do not add up" };
         format!(
             "{emitted} emitted: {absorbed} absorbed, {escaped} escaped, {terminated}{truncated} truncated, {dropped} \
@@ -83,9 +81,9 @@ fn counted(info: &FilmInfo) -> Vec<(&'static str, String)> {
     };
     let stored = info.tally.stored();
     let stored = MapKind::ALL.map(|kind| format!("{} in the {} map", stored[kind], kind.name()));
-    let mut lines = vec![("paths", of(photons))];
+    let mut lines = vec![("paths", of(photons, "thinned out in fog"))];
     if aimed.emitted > 0 {
-        lines.push(("aimed paths", of(aimed)));
+        lines.push(("aimed paths", of(aimed, "ended at diffuse surfaces")));
     }
     lines.push(("stored", stored.join(", ")));
     let too_deep = photons.too_deep.saturating_add(aimed.too_deep);

@@ -4,7 +4,7 @@ use photon_core::flight::{self, FOCUSED_DEPOSITS, Flight};
 use photon_core::glam::Vec3;
 use photon_core::phase::Phase;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{MapKind, MediumStack, Pass, PerMap, Photon, RandomKind, Ray, octahedral};
+use photon_core::{MapKind, MediumStack, Pass, PerMap, Photon, PhotonRay, RandomKind, Ray, octahedral};
 
 use super::{PhotonList, Walk};
 use crate::stretches::Stretch;
@@ -39,12 +39,16 @@ pub(super) enum Crossing {
     Collides(Ray),
     /// It ends.
     Absorbed,
+    /// It ends far from the scene, and others stand for it: `power` is 0.
+    Thinned,
 }
 
 /// The part of a path's state that belongs to media.
 pub(super) struct MediumWalk {
     flights: Sampler,
     deposits: Sampler,
+    /// Power at the start of the path.
+    start: Vec3,
     is_aimed: bool,
     /// Number of collisions so far.
     pub(super) collisions: u32,
@@ -52,9 +56,10 @@ pub(super) struct MediumWalk {
 
 impl MediumWalk {
     #[inline(always)]
-    pub(super) fn new(pass: Pass, path: u32, is_aimed: bool) -> Self {
-        let sampler = |domain| Sampler::new(RandomKind::Counter, pass.seed, pass.index, domain, path);
-        Self { flights: sampler(Domain::Flight), deposits: sampler(Domain::Deposit), is_aimed, collisions: 0 }
+    pub(super) fn new(pass: Pass, ray: &PhotonRay, is_aimed: bool) -> Self {
+        let sampler = |domain| Sampler::new(RandomKind::Counter, pass.seed, pass.index, domain, ray.path);
+        let [flights, deposits] = [Domain::Flight, Domain::Deposit].map(sampler);
+        Self { flights, deposits, start: ray.power.into(), is_aimed, collisions: 0 }
     }
 
     /// Follows a ray through its media: changes `power` to what goes on, and leaves photons in `photons`. Aimed paths never
@@ -104,7 +109,7 @@ impl MediumWalk {
             *power *= flight::transmittance(medium, column);
             return Crossing::Passes;
         }
-        let [channel, length, roulette, _] = self.flights.words(block + 2 * event);
+        let [channel, length, roulette, thinning] = self.flights.words(block + 2 * event);
         let found = match flight::sample(medium, *power, column, [channel, length].map(unit_f32)) {
             Flight::Passes(left) => {
                 *power = left;
@@ -120,6 +125,14 @@ impl MediumWalk {
         let direction = Phase::of(medium).sample(ray.direction, [u, v].map(unit_f32));
         self.collisions += 1;
         let origin = ray.origin + ray.direction * walk.scene.place(&ray, stretch, found.distance);
+        // The medium around everything has no bounds.
+        if stretch.medium == 0 {
+            let left = flight::thinned(*power, self.start, origin, unit_f32(thinning));
+            *power = left.unwrap_or(Vec3::ZERO);
+            if left.is_none() {
+                return Crossing::Thinned;
+            }
+        }
         Crossing::Collides(Ray { origin, direction, t_max: f32::INFINITY })
     }
 

@@ -77,7 +77,7 @@ specialized!(
     12 in_media: bool
 );
 
-specialized!(tally_constants: TallyConstants => STAGES_TALLY, 3 wanted: u32, 4 fates: u32);
+specialized!(tally_constants: TallyConstants => STAGES_TALLY, 3 wanted: u32);
 
 specialized!(reorder_constants: ReorderConstants => STAGES_TRACE_REORDER, 2 format: u32);
 

@@ -2,8 +2,8 @@
 
 use photon_core::{MapKind, Photon, Result};
 
+use super::VulkanTracer;
 use super::push::Chunk;
-use super::{AIMED_FATES, VulkanTracer};
 use crate::device::Memory;
 use crate::vulkan::Vulkan;
 
@@ -56,7 +56,7 @@ impl VulkanTracer {
             cursors: on.memory("cursors", CURSORS)?,
             chunk: on.memory("stretch", size_of::<Chunk>() as u64)?,
         };
-        let label = match (self.paths.reflections, self.paths.in_media, self.paths.fates == AIMED_FATES) {
+        let label = match (self.paths.reflections, self.paths.in_media, self.paths.is_aimed) {
             (true, ..) => "tracing reflected photons",
             (false, true, false) => "tracing photons in media",
             (false, true, true) => "tracing aimed photons in media",

@@ -51,8 +51,9 @@ class Film:
         """What the photons of all passes did, also of those that were rendered earlier or elsewhere.
 
         "passes": how many were counted, fewer than `passes` if some are from a file without counts. "paths" and
-        "aimed_paths": how many were emitted, and how they ended: absorbed, escaped, terminated (aimed ones at a diffuse surface,
-        others in fog far away), truncated, dropped. "stored": photons by map. "truncated_camera_paths": unless 0, light is missing beyond `max_bounces`.
+        "aimed_paths": how many were emitted, and how they ended: absorbed, escaped, terminated (aimed ones at a diffuse
+        surface, others in fog far away), truncated, dropped. "stored": photons by map. "truncated_camera_paths": unless 0,
+        light is missing beyond `max_bounces`.
         """
         passes, paths, aimed, stored, cut = self._raw.counts()
         return {

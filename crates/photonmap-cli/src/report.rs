@@ -166,7 +166,7 @@ fn by_name<T: Into<Value>>(values: PerMap<T>) -> Value {
 fn counters(tally: &Tally, aimed: &Tally, truncated_camera_paths: u64) -> Value {
     json!({
         "emitted": tally.emitted,
-        "ceded": tally.terminated,
+        "terminated": tally.terminated,
         "absorbed": tally.absorbed,
         "escaped": tally.escaped,
         "truncated": tally.truncated,
@@ -196,7 +196,7 @@ fn aimed(tally: &Tally) -> Value {
     let flux = |sum: &FluxSum| sum.value().map(|f| f / tally.emitted.max(1) as f64);
     json!({
         "emitted": tally.emitted,
-        "ceded": tally.terminated,
+        "terminated": tally.terminated,
         "absorbed": tally.absorbed,
         "escaped": tally.escaped,
         "truncated": tally.truncated,
@@ -205,7 +205,7 @@ fn aimed(tally: &Tally) -> Value {
         "balance": tally.balances(),
         "flux": {
             "emitted": flux(&tally.flux_emitted),
-            "ceded": flux(&tally.flux_terminated),
+            "terminated": flux(&tally.flux_terminated),
             "absorbed": flux(&tally.flux_absorbed),
             "escaped": flux(&tally.flux_escaped),
             "truncated": flux(&tally.flux_truncated),

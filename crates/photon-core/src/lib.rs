@@ -9,6 +9,7 @@
 
 mod backend;
 mod error;
+mod file_kind;
 mod film;
 pub mod memory;
 pub mod parallel;
@@ -33,6 +34,7 @@ pub use backend::stages::{
 pub use backend::tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, TransportBackend};
 pub use error::{Error, Result};
+pub use file_kind::FileKind;
 pub use film::confidence::{ConfidenceInterval, ErrorPixel, Flags, PhotonMoments, student_975};
 pub use film::display::{Display, DisplayImage};
 pub use film::film_tally::FilmTally;

@@ -1,7 +1,7 @@
 //! Errors of scenes and scene files. Each names the object at fault and how to fix it; names and text of files pass through
 //! [`shown`].
 
-use photon_core::shown;
+use photon_core::{FileKind, shown};
 use std::path::{Path, PathBuf};
 
 /// An error in a scene or its file.
@@ -260,6 +260,14 @@ pub enum SceneError {
         /// What would be valid.
         hint: String,
     },
+    /// A file is of another kind than the one that is read.
+    #[error("{}: it {kind}", name_of(path))]
+    OtherKind {
+        /// Path of the file.
+        path: PathBuf,
+        /// What it is, and the remedy.
+        kind: FileKind,
+    },
     /// A file needs more memory than [`LoadOptions::memory`](crate::LoadOptions::memory) allows.
     #[error(
         "{}: {} needs {} of memory, but {} are left of the {} that loading may take; use smaller images or less of the scene, or allow more memory",
@@ -278,7 +286,7 @@ pub enum SceneError {
         limit: u64,
     },
     /// No loader supports this file format.
-    #[error("{}: unknown scene file format; supported are .gltf, .glb, .obj and .ply{hint}", name_of(path))]
+    #[error("{}: unknown scene file format; supported are .gltf, .glb, .obj, .ply and .stl{hint}", name_of(path))]
     UnknownFormat {
         /// Path of the file.
         path: PathBuf,

@@ -91,7 +91,7 @@ impl From<Error> for Fault {
             Error::OutOfMemory { .. } | Error::AllocationTooLarge { .. } | Error::OverMemory { .. } => {
                 PmStatus::OutOfMemory
             }
-            Error::NoDevice { .. } => PmStatus::NoDevice,
+            Error::NoDevice { .. } | Error::UnknownDevice { .. } => PmStatus::NoDevice,
             Error::Cancelled => PmStatus::Cancelled,
             Error::PassTwice { .. } | Error::CutPass => PmStatus::Film,
             Error::Backend { backend: "cpu: tracing rays" | "ray caster", .. } => PmStatus::Caster,
@@ -103,8 +103,13 @@ impl From<Error> for Fault {
 
 impl From<SceneError> for Fault {
     fn from(error: SceneError) -> Self {
-        let file =
-            matches!(error, SceneError::Read { .. } | SceneError::Content { .. } | SceneError::UnknownFormat { .. });
+        let file = matches!(
+            error,
+            SceneError::Read { .. }
+                | SceneError::Content { .. }
+                | SceneError::OtherKind { .. }
+                | SceneError::UnknownFormat { .. }
+        );
         let status = match error {
             _ if file => PmStatus::File,
             SceneError::PictureSize { .. } => PmStatus::InvalidArgument,

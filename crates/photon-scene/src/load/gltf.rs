@@ -65,6 +65,7 @@ pub(in crate::load) use self::uri::leaves_folder;
 use super::budget::Budget;
 use super::light_units::LIGHTS;
 use super::read_within;
+use super::text::content;
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;
 use crate::extras::{self, NodeExtras};
@@ -84,8 +85,20 @@ pub fn load_gltf(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> 
 /// As [`load_gltf`], within a limit on memory.
 pub(in crate::load) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let bytes = read_within(path, budget, 1)?;
+    content(path, &bytes, &["gltf", "glb"])?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    assemble_within(&bytes, folder, budget).map_err(|fault| fault.in_file(path))
+    let (builder, mut report) = assemble_within(&bytes, folder, budget).map_err(|fault| fault.in_file(path))?;
+    let has_extension = |name| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
+    match bytes.starts_with(container::MAGIC) {
+        true if has_extension("gltf") => {
+            report.note("the file", "is a GLB in spite of its extension, and read as that")
+        }
+        false if has_extension("glb") => {
+            report.note("the file", "is a glTF file of JSON in spite of its extension, and read as that");
+        }
+        _ => {}
+    }
+    Ok((builder, report))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::budget::{Budget, LoadOptions};
+use super::text::check_kind;
 use super::{nvdb, read_within, vol};
 use crate::describe::GridDesc;
 use crate::error::SceneError;
@@ -63,6 +64,7 @@ impl GridDesc {
             }
         };
         let bytes = read_within(path, budget, 1)?;
+        check_kind(path, &bytes, &[if is_vdb { "nvdb" } else { "vol" }])?;
         let read = if is_vdb { nvdb::parse(&bytes, budget) } else { vol::parse(&bytes, budget) };
         let grid = read.map_err(|refusal| match refusal {
             Refusal::Content(fault) => content(path, fault),

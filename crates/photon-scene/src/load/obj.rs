@@ -14,7 +14,7 @@ use super::budget::Budget;
 use super::group::{Corner, Group, NONE, Pools};
 use super::mtl::Library;
 use super::polygon::{Triangulator, scratch};
-use super::text::text_of;
+use super::text::{check_kind, text_of};
 use super::{default_material, read_within, stem, white_material};
 use crate::builder::{MaterialId, SceneBuilder};
 use crate::describe::MaterialDesc;
@@ -64,7 +64,9 @@ fn bytes_of(statement: &str) -> u64 {
 
 /// As [`load_obj`], within a limit on memory.
 pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), SceneError> {
-    let text = text_of(path, read_within(path, budget, 1)?)?;
+    let bytes = read_within(path, budget, 1)?;
+    check_kind(path, &bytes, &[])?;
+    let text = text_of(path, bytes)?;
     // A line that is joined to the previous one is not a statement of its own here either.
     let is_vertex = |(statement, _): &(Cow<'_, str>, usize)| parts(statement).0 == "v";
     let vertices = statements(&text).filter(is_vertex).count();

@@ -52,7 +52,7 @@ pub fn load_ply(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
 /// As [`load_ply`], within a limit on memory.
 pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let file = read_within(path, budget, 1)?;
-    let bytes = content(path, &file)?;
+    let bytes = content(path, &file, &["ply"])?;
     let fault = |(what, line): (String, u64)| SceneError::Content {
         path: path.to_owned(),
         line: (line > 0).then_some(line),

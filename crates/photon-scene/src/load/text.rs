@@ -2,42 +2,42 @@
 
 use std::path::Path;
 
+use photon_core::FileKind;
+
 use crate::error::SceneError;
 
-/// First bytes of files that are compressed or not in UTF-8, their name, and the remedy.
-const FOREIGN: &[(&[u8], &str, &str)] = &[
-    (&[0xFF, 0xFE, 0, 0], "text in UTF-32", SAVE),
-    (&[0, 0, 0xFE, 0xFF], "text in UTF-32", SAVE),
-    (&[0xFF, 0xFE], UTF_16, SAVE),
-    (&[0xFE, 0xFF], UTF_16, SAVE),
-    (&[0x1F, 0x8B], "compressed by gzip", "unpack it with gunzip"),
-    (b"BZh", "compressed by bzip2", "unpack it with bunzip2"),
-    (&[0xFD, b'7', b'z', b'X', b'Z', 0], "compressed by xz", "unpack it with unxz"),
-    (&[0x28, 0xB5, 0x2F, 0xFD], "compressed by zstd", "unpack it with unzstd"),
-    (b"PK\x03\x04", "a ZIP archive", "unpack it"),
-    (b"7z\xBC\xAF\x27\x1C", "a 7z archive", "unpack it"),
+/// First bytes of text in other encodings.
+const WIDE: [(&[u8], &str); 4] = [
+    (&[0xFF, 0xFE, 0, 0], "text in UTF-32"),
+    (&[0, 0, 0xFE, 0xFF], "text in UTF-32"),
+    (&[0xFF, 0xFE], UTF_16),
+    (&[0xFE, 0xFF], UTF_16),
 ];
 const UTF_16: &str = "text in UTF-16";
-const SAVE: &str = "save it as UTF-8";
+
+/// Checks that a file with one of these extensions is not of another known kind.
+///
+/// # Errors
+/// [`SceneError::OtherKind`], with the remedy.
+pub(super) fn check_kind(path: &Path, bytes: &[u8], extensions: &[&str]) -> Result<(), SceneError> {
+    let kind = FileKind::other_than(extensions, bytes);
+    kind.map_or(Ok(()), |kind| Err(SceneError::OtherKind { path: path.to_owned(), kind }))
+}
 
 /// The content of a file of text, or with a header of text, behind its byte order mark.
 ///
 /// # Errors
-/// Compressed files and UTF-16, with the remedy.
-pub(super) fn content<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a [u8], SceneError> {
-    if let Some((name, remedy)) = foreign(bytes) {
-        let (what, hint) = (format!("it is {name}"), format!("{remedy}, and load that"));
+/// Those of [`check_kind`]; text in UTF-16 or UTF-32.
+pub(super) fn content<'a>(path: &Path, bytes: &'a [u8], extensions: &[&str]) -> Result<&'a [u8], SceneError> {
+    check_kind(path, bytes, extensions)?;
+    let marked = WIDE.iter().find(|(start, _)| bytes.starts_with(start)).map(|&(_, name)| name);
+    // Without a mark: one of two bytes of its first character, which is ASCII, is 0.
+    let is_wide = || matches!(bytes, [0, other, ..] | [other, 0, ..] if *other != 0);
+    if let Some(name) = marked.or_else(|| is_wide().then_some(UTF_16)) {
+        let (what, hint) = (format!("it is {name}"), "save it as UTF-8".to_owned());
         return Err(SceneError::Content { path: path.to_owned(), line: None, what, hint });
     }
     Ok(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes))
-}
-
-/// The name of the encoding or compression of a file that is not in UTF-8, and the remedy.
-pub(super) fn foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
-    let marked = FOREIGN.iter().find(|(start, ..)| bytes.starts_with(start)).map(|&(_, name, remedy)| (name, remedy));
-    // Without a mark: one of two bytes of its first character, which is ASCII, is 0.
-    let is_wide = || matches!(bytes, [0, other, ..] | [other, 0, ..] if *other != 0);
-    marked.or_else(|| is_wide().then_some((UTF_16, SAVE)))
 }
 
 /// The text of a file: all line ends are `\n` or `\r\n`, and bytes that are not UTF-8 are taken as Latin-1.
@@ -45,7 +45,10 @@ pub(super) fn foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
 /// # Errors
 /// As [`content`], and files that are not text.
 pub(super) fn text_of(path: &Path, mut bytes: Vec<u8>) -> Result<String, SceneError> {
-    let start = bytes.len() - content(path, &bytes)?.len();
+    if bytes.is_empty() {
+        return Ok(String::new());
+    }
+    let start = bytes.len() - content(path, &bytes, &[])?.len();
     // Padding, and the end-of-file character of DOS.
     while bytes.pop_if(|last| matches!(last, 0 | 0x1A)).is_some() {}
     if bytes.iter().take(1024).any(|&byte| byte == 0) {
@@ -97,6 +100,7 @@ mod tests {
             (b"\xFF\xFE\0\0v\0\0\0", "UTF-32"),
             (b"\x1F\x8B\x08\0", "compressed by gzip; unpack it with gunzip"),
             (b"PK\x03\x04", "ZIP"),
+            (b"<html>", "an HTML page; download the file itself"),
             (b"v 1\0\0\n", "not text"),
         ] {
             let error = text(bytes).expect_err("no text").to_string();

@@ -92,7 +92,7 @@ fn obj_faults_name_their_line() {
     names(&fault("v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"), &["line 4", "face 1 uses vertex 2", "NaN", "finite"]);
     names(&fault("v 0 0\n"), &["line 1", "nothing", "three numbers"]);
     names(&fault("v 0 x 0\n"), &["line 1", "has x in place of a number"]);
-    let (scene, _) = load(&folder.file("empty.obj", ""), None).expect("nothing");
+    let (scene, _) = load(&folder.file("empty.obj", "# Nothing.\n"), None).expect("nothing");
     assert!(scene.warnings()[0].contains("no triangles"));
 }
 

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use gltf::json::Root;
+use photon_core::FileKind;
 
 use super::fault::{AGAIN, COPY_AGAIN, Fault, label};
 use super::meshopt::Compressed;
@@ -156,6 +157,10 @@ impl<'a> Buffers<'a> {
         };
         let needed = buffer.byte_length.0;
         if (bytes.len() as u64) < needed {
+            if let Some(kind) = FileKind::of(&bytes).filter(|kind| kind.extension.is_none()) {
+                let uri = buffer.uri.as_deref().unwrap_or_default();
+                return Err(Fault::new(part, format!("is in the file {uri}, which is {}", kind.name), kind.remedy));
+            }
             let place = match buffer.uri.as_deref() {
                 Some(uri) if uri::data_of(uri).is_none() => format!("the file {uri}"),
                 Some(_) => "its data URI".to_owned(),

@@ -4,7 +4,7 @@ use gltf::json::{Root, Value, deserialize, serialize};
 
 use super::fault::{AGAIN, COPY_AGAIN, Fault};
 use super::{extensions, morph};
-use crate::load::text::{foreign, latin_1};
+use crate::load::text::latin_1;
 use crate::report::LoadReport;
 
 pub(super) const MAGIC: &[u8] = b"glTF";
@@ -13,13 +13,7 @@ const BIN_CHUNK: &[u8] = b"BIN\0";
 
 /// Returns the document, and the binary chunk if there is one; reports what the parser drops.
 pub(super) fn open<'a>(bytes: &'a [u8], report: &mut LoadReport) -> Result<(Root, Option<&'a [u8]>), Fault> {
-    if bytes.is_empty() {
-        return Err(Fault::new("the file", "is empty", COPY_AGAIN));
-    }
     let (json, bin) = if bytes.starts_with(MAGIC) { split_glb(bytes)? } else { (bytes, None) };
-    if let Some((name, remedy)) = foreign(json) {
-        return Err(Fault::new("the file", format!("is {name}"), format!("{remedy}, and load that")));
-    }
     let latin = std::str::from_utf8(json).is_err().then(|| latin_1(json));
     if latin.is_some() {
         report.note("the file", "has text that is not UTF-8, and is taken as Latin-1");

@@ -38,7 +38,7 @@ impl Header {
             Format::WebP => webp::header(start),
             Format::Exr => exr::header(start, length),
             Format::Hdr => hdr::header(start),
-            Format::Other(name) => Err(not_read(name)),
+            Format::Other => Err(not_read(start)),
         }
     }
 
@@ -51,7 +51,7 @@ impl Header {
         let mut start = Vec::new();
         file.by_ref().take(START.min(left)).read_to_end(&mut start).ok()?;
         let mut header = Self::read(&start, length);
-        let is_image = !matches!(Format::of(&start), Format::Other(_));
+        let is_image = Format::of(&start) != Format::Other;
         // An image with more than that before its header.
         let most = MOST.min(left).min(length);
         if header.is_err() && is_image && most > start.len() as u64 {

@@ -28,7 +28,7 @@ pub(super) use self::room::Room;
 use std::path::Path;
 use std::sync::Arc;
 
-use photon_core::TexelFormat;
+use photon_core::{FileKind, TexelFormat};
 
 use super::budget::Budget;
 use crate::color::srgb_to_linear;
@@ -43,17 +43,25 @@ const MAX_WORDS: u64 = 1 << 28;
 /// Why the bytes of an image cannot be used: the predicate of a sentence about it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct ImageError(pub(crate) String);
+pub struct ImageError(Cause);
+
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+enum Cause {
+    #[error("{0}")]
+    Damage(String),
+    #[error("{0}")]
+    OtherKind(FileKind),
+}
 
 impl ImageError {
     fn new(why: impl Into<String>) -> Self {
-        Self(why.into())
+        Self(Cause::Damage(why.into()))
     }
 
     /// A decoder's message.
     fn damaged(format: &str, why: &dyn std::fmt::Debug) -> Self {
         let why = format!("{why:?}");
-        Self(format!("cannot be decoded as {format}: {}", why.trim_matches('"').trim_end_matches("\\n")))
+        Self::new(format!("cannot be decoded as {format}: {}", why.trim_matches('"').trim_end_matches("\\n")))
     }
 }
 
@@ -97,7 +105,7 @@ impl Image {
             Format::WebP => webp::decode(bytes, halving),
             Format::Exr => exr::decode(bytes).map(|image| image.halve(halving)),
             Format::Hdr => hdr::decode(bytes).map(|image| image.halve(halving)),
-            Format::Other(name) => Err(not_read(name)),
+            Format::Other => Err(not_read(bytes)),
         }
     }
 
@@ -181,6 +189,9 @@ pub(super) fn load_image_halved(path: &Path, halving: Option<Halving>) -> Result
 
 /// The error of the file at `path`.
 fn of_file(path: &Path, why: &ImageError) -> SceneError {
+    if let Cause::OtherKind(kind) = why.0 {
+        return SceneError::OtherKind { path: path.to_owned(), kind };
+    }
     SceneError::Content {
         path: path.to_owned(),
         line: None,
@@ -197,41 +208,29 @@ enum Format {
     WebP,
     Exr,
     Hdr,
-    /// One that is not read, with its article.
-    Other(&'static str),
+    /// One that is not read.
+    Other,
 }
 
 impl Format {
     fn of(bytes: &[u8]) -> Self {
-        let known: [(&[u8], Self); 12] = [
-            (b"\x89PNG", Self::Png),
-            (b"\xff\xd8", Self::Jpeg),
-            (b"\x76\x2f\x31\x01", Self::Exr),
-            (b"#?RADIANCE", Self::Hdr),
-            (b"#?RGBE", Self::Hdr),
-            (b"\xabKTX 20", Self::Other("a KTX2 texture")),
-            (b"\xabKTX", Self::Other("a KTX texture")),
-            (b"sB", Self::Other("a Basis texture")),
-            (b"DDS ", Self::Other("a DDS texture")),
-            (b"GIF8", Self::Other("a GIF")),
-            (b"BM", Self::Other("a BMP")),
-            (b"II*\0", Self::Other("a TIFF")),
-        ];
-        if let Some((_, format)) = known.iter().find(|(magic, _)| bytes.starts_with(magic)) {
-            return *format;
-        }
-        match (bytes.get(..4), bytes.get(4..12)) {
-            (Some(b"RIFF"), Some(rest)) if rest.ends_with(b"WEBP") => Self::WebP,
-            (Some(_), Some(b"ftypavif")) => Self::Other("an AVIF"),
-            (Some(_), Some(b"ftypheic")) => Self::Other("a HEIC"),
-            (None, _) => Self::Other("empty"),
-            _ => Self::Other("of an unknown format"),
+        match FileKind::of(bytes).and_then(|kind| kind.extension) {
+            Some("png") => Self::Png,
+            Some("jpg") => Self::Jpeg,
+            Some("webp") => Self::WebP,
+            Some("exr") => Self::Exr,
+            Some("hdr") => Self::Hdr,
+            _ => Self::Other,
         }
     }
 }
 
-fn not_read(name: &str) -> ImageError {
-    ImageError::new(format!("is {name}; only PNG, JPEG, WebP, OpenEXR and Radiance HDR are read"))
+/// The error of a file that is no image that is read.
+fn not_read(bytes: &[u8]) -> ImageError {
+    match FileKind::of(bytes) {
+        Some(kind) => ImageError(Cause::OtherKind(kind)),
+        None => ImageError::new("is of an unknown format; only PNG, JPEG, WebP, OpenEXR and Radiance HDR are read"),
+    }
 }
 
 /// The remark on an image with these primaries and white, four pairs of x and y; `None` for those of Rec. 709, with

@@ -155,8 +155,7 @@ fn buffers_must_be_there_whole() {
 #[test]
 fn documents_must_be_gltf_2() {
     for (bytes, words) in [
-        (&b""[..], &["empty"][..]),
-        (b"{", &["JSON", "line 1"]),
+        (&b"{"[..], &["JSON", "line 1"][..]),
         (b"not json", &["JSON", "line 1"]),
         (b"[]", &["JSON"]),
         (b"{}", &["JSON", "asset"]),
@@ -165,7 +164,6 @@ fn documents_must_be_gltf_2() {
             b"{\"asset\": {\"version\": \"2.0\"}, \"scenes\": [{}], \"nodes\": [{}, {\"mesh\": \"a\"}]}",
             &["number 1 of nodes", "string"],
         ),
-        (b"\xff\xfe{\x00", &["text in UTF-16", "save it as UTF-8"]),
         (b"glTF", &["GLB header", "12 bytes"]),
         (b"glTF\x01\0\0\0\x0c\0\0\0", &["version 1"]),
         (b"glTF\x02\0\0\0\x05\0\0\0", &["GLB chunk", "0 are left"]),

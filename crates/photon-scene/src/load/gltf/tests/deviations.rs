@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::super::assemble;
+use super::super::{assemble, load_gltf};
 use super::file::{File, data_uri, floats, glb, png, says};
 
 #[test]
@@ -25,11 +25,14 @@ fn other_encodings_are_read_or_named() {
     let (_, report) = assemble(&latin, Path::new(".")).unwrap();
     assert!(says(&report, "the file", "taken as Latin-1") && report.is_exact(), "{report}");
     let wide: Vec<u8> = json.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
     for (bytes, name) in
-        [(&wide[..], "UTF-16"), (&[&b"\xFF\xFE"[..], &wide].concat(), "UTF-16"), (b"\x1F\x8B\x08", "gzip")]
+        [(&wide[..], "UTF-16; save"), (&[&b"\xFF\xFE"[..], &wide].concat(), "UTF-16"), (b"\x1F\x8B\x08", "gzip")]
     {
-        let error = assemble(bytes, Path::new(".")).map(drop).unwrap_err().in_file(Path::new("a.gltf")).to_string();
-        assert!(error.contains("the file: is ") && error.contains(name), "{error}");
+        std::fs::write(&path, bytes).unwrap();
+        let error = load_gltf(&path).map(drop).unwrap_err().to_string();
+        assert!(error.contains("a.gltf: it is ") && error.contains(name), "{error}");
     }
 }
 

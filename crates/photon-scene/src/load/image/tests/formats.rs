@@ -167,7 +167,7 @@ fn other_formats_are_named() {
         (b"DDS |", "DDS"),
         (b"GIF89a", "GIF"),
         (b"\0\0\0\x1cftypavif", "AVIF"),
-        (b"BM6", "BMP"),
+        (b"BM6\0\0\0\0\0\0\0", "BMP"),
         (b"", "empty"),
         (b"junk, or rather text", "unknown format"),
     ] {

@@ -47,7 +47,7 @@ class Scene:
         environment: Any = None,
         memory: int | None = None,
     ) -> Scene:
-        """A .gltf, .glb, .obj or .ply file, changed by an override file (TOML).
+        """A .gltf, .glb, .obj, .ply or .stl file, changed by an override file (TOML).
 
         `environment`: light from all around, as for the method of that name; it replaces that of the override file.
         `memory`: limit in bytes on what reading holds at any time: files, meshes, textures and images. Textures that do not

@@ -51,7 +51,7 @@ pub use error::SceneError;
 #[cfg(feature = "files")]
 pub use load::{
     Image, ImageError, LightUnits, LoadOptions, Overrides, load, load_builder, load_builder_with, load_gltf,
-    load_image, load_obj, load_ply,
+    load_image, load_obj, load_ply, load_stl,
 };
 pub use mesh::VertexAttributes;
 pub use report::{LoadReport, ReportKind, ReportLine};

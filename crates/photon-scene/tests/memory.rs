@@ -463,7 +463,14 @@ fn dense_text_and_binary_files_are_counted() {
     }
     let values = "0,".repeat(100_000) + "0";
     let nodes = "{},".repeat(20_000) + "{}";
+    let facet = "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 0 1 vertex 0 1 0 endloop endfacet ";
+    let mut stl = vec![b' '; 80];
+    stl.extend(4000_u32.to_le_bytes());
+    stl.extend((0..4000 * 25_u32).flat_map(|at| [at as u8, 60]));
     let files = [
+        folder.write("text.stl", format!("solid a\n{}endsolid", facet.repeat(4000))),
+        folder.write("facets.stl", format!("solid {}\nendsolid", "facet ".repeat(40_000))),
+        folder.write("binary.stl", stl),
         folder.write("text.ply", format!("{ascii}{list}0 0 0\n{faces}")),
         folder.write("binary.ply", binary),
         folder.write("fan.obj", format!("v 0 0 0\nf{}\n", " 1".repeat(200_000))),

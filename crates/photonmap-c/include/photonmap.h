@@ -879,7 +879,7 @@ const char *pm_version(void);
 size_t pm_last_error(char *text, size_t room);
 
 /**
- * Reads a scene file: .gltf, .glb, .obj or .ply.
+ * Reads a scene file: .gltf, .glb, .obj, .ply or .stl.
  *
  * `overrides`: a TOML file that changes or adds materials, lights, cameras and an environment; NULL for none. A scene
  * without a camera gets one that shows all of it, and one without a light an even environment, of which pm_scene_report()

@@ -15,6 +15,7 @@ mod ply;
 mod polygon;
 mod schema;
 mod starter;
+mod stl;
 mod text;
 mod vol;
 mod white;
@@ -35,10 +36,11 @@ pub use self::light_units::LightUnits;
 pub use self::obj::load_obj;
 pub use self::overrides::Overrides;
 pub use self::ply::load_ply;
+pub use self::stl::load_stl;
 
 /// Reads a scene file, applies overrides to it, and builds it.
 ///
-/// The extension determines the format: `.gltf`, `.glb`, `.obj` or `.ply`. If neither the
+/// The extension determines the format: `.gltf`, `.glb`, `.obj`, `.ply` or `.stl`. If neither the
 /// file nor the overrides have a camera, one that shows the whole scene is added and noted in the report.
 ///
 /// # Errors
@@ -72,6 +74,7 @@ pub fn load_builder_with(
         Some("gltf" | "glb") => gltf::load_within(path, &budget)?,
         Some("obj") => obj::load_within(path, &budget)?,
         Some("ply") => ply::load_within(path, &budget)?,
+        Some("stl") => stl::load_within(path, &budget)?,
         _ if path.is_dir() => return Err(SceneError::Folder { path: path.to_owned() }),
         _ => return Err(SceneError::UnknownFormat { path: path.to_owned(), hint: conversion(extension.as_deref()) }),
     };
@@ -97,7 +100,7 @@ pub fn load_builder_with(
 fn conversion(extension: Option<&str>) -> &'static str {
     match extension {
         Some("blend") => "; export it from Blender as glTF 2.0 (.glb)",
-        Some("fbx" | "dae" | "3ds" | "stl" | "x3d" | "abc") => "; import it in Blender and export glTF 2.0 (.glb)",
+        Some("fbx" | "dae" | "3ds" | "x3d" | "abc") => "; import it in Blender and export glTF 2.0 (.glb)",
         Some("usd" | "usda" | "usdc" | "usdz") => {
             "; import it in Blender, or use a USD converter, and export glTF 2.0 (.glb)"
         }

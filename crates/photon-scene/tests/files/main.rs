@@ -1,12 +1,14 @@
 //! Files of the supported formats, written by the tests themselves.
 
 mod environment;
+mod kinds;
 mod obj;
 mod obj_glossy;
 mod obj_textures;
 mod overrides;
 mod ply;
 mod portals;
+mod stl;
 mod support;
 
 use photon_scene::{LoadReport, Overrides, ReportKind, load};
@@ -20,7 +22,7 @@ fn files_that_are_not_there_or_not_known() {
         names(&message(load(&folder.0.join(name), None)), &[name, "cannot read", "exists"]);
     }
     for name in ["scene.fbx", "scene", "scene."] {
-        names(&message(load(Path::new(name), None)), &[name, ".gltf, .glb, .obj and .ply"]);
+        names(&message(load(Path::new(name), None)), &[name, ".gltf, .glb, .obj, .ply and .stl"]);
     }
     names(&message(Overrides::read(&folder.0.join("gone.toml"))), &["gone.toml", "cannot read"]);
     let upper = folder.file("LOUD.OBJ", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

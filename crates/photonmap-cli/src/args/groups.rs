@@ -22,7 +22,7 @@ use crate::tonemap::ToneMap;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Scene")]
 pub struct SceneArgs {
-    /// A .gltf, .glb, .obj or .ply file, or the name of a built-in scene.
+    /// A .gltf, .glb, .obj, .ply or .stl file, or the name of a built-in scene.
     #[arg(default_value = "cornell-glass")]
     pub scene: String,
     /// File with lights, materials and cameras to add or change (see docs/scene-files.md), or `auto`.
@@ -47,8 +47,8 @@ pub struct SceneArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureArgs {
-    /// Width and height in pixels.
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = size)]
+    /// Width and height in pixels, or the side of a square.
+    #[arg(long, value_name = "WxH|N", default_value = "512x512", value_parser = size)]
     pub size: (u32, u32),
     /// Name of the camera [default: the scene's first].
     #[arg(long, value_name = "NAME")]

@@ -81,11 +81,18 @@ fn worth_it(found: &[Summary<'_>]) -> Result<(), String> {
 /// Why Vulkan is not available, and what to do about it.
 #[must_use]
 pub fn why_not(error: &photon_core::Error) -> String {
-    let photon_core::Error::NoDevice { rejected } = error else { return chain(error) };
-    // Of devices that were not asked for, drivers do not matter.
-    let is_named = rejected.iter().all(|(_, why)| why.starts_with("is not the "));
-    let update = if is_named && !rejected.is_empty() { "" } else { "update its driver, " };
-    let hint = format!("{update}select another by {DEVICE} (`photonmap devices` lists them), or use --backend cpu");
+    let rejected = match error {
+        photon_core::Error::NoDevice { rejected } => rejected,
+        photon_core::Error::UnknownDevice { wanted, .. } => {
+            let is_variable = std::env::var_os(DEVICE).is_some_and(|value| value == wanted.as_str());
+            let place = if is_variable { format!("{DEVICE}: ") } else { String::new() };
+            return format!("{place}{error}, or use --backend cpu");
+        }
+        other => return chain(other),
+    };
+    let hint = format!(
+        "update its driver, select another by --device or {DEVICE} (`photonmap devices` lists them), or use --backend cpu"
+    );
     if rejected.is_empty() {
         return format!("Vulkan lists no device: {hint}");
     }
@@ -132,8 +139,8 @@ mod tests {
             text.contains("Old lacks timelineSemaphore; update its driver") && text.contains("--backend cpu"),
             "{text}"
         );
-        let rejected = vec![("New".to_owned(), "is not the 7 that was asked for".to_owned())];
-        let text = why_not(&photon_core::Error::NoDevice { rejected });
-        assert!(text.contains("asked for; select another by") && !text.contains("update"), "{text}");
+        let known = vec!["0: New".to_owned()];
+        let text = why_not(&photon_core::Error::UnknownDevice { wanted: "7".to_owned(), known });
+        assert!(text.contains("there are 0: New; give the number") && !text.contains("update"), "{text}");
     }
 }

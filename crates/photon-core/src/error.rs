@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::memory::OutOfMemory;
 use crate::requirements::features::Features;
+use crate::shown;
 
 /// The result type of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -113,6 +114,14 @@ pub enum Error {
     NoDevice {
         /// Name of each device, and what it lacks.
         rejected: Vec<(String, String)>,
+    },
+    /// No device has the requested number or name.
+    #[error("there is no device '{}'; there are {}; give the number of one, or a part of its name", shown(wanted), known.join("; "))]
+    UnknownDevice {
+        /// The requested number, or part of a name.
+        wanted: String,
+        /// Number and name of each device.
+        known: Vec<String>,
     },
     /// The device was lost, with all buffers and films on it.
     #[error(

@@ -151,7 +151,8 @@ impl Offer {
 /// discrete before integrated before virtual before software.
 ///
 /// # Errors
-/// [`photon_core::Error::NoDevice`] states what each device lacks.
+/// [`photon_core::Error::UnknownDevice`] lists the devices; [`photon_core::Error::NoDevice`] states what each that was
+/// selected lacks.
 pub(crate) fn choose(found: Vec<Candidate>, wanted: Option<&str>) -> photon_core::Result<Candidate> {
     let named = |candidate: &Candidate| match wanted {
         None => true,
@@ -167,14 +168,15 @@ pub(crate) fn choose(found: Vec<Candidate>, wanted: Option<&str>) -> photon_core
     if let Some(best) = best {
         return Ok(best.clone());
     }
-    let why = |candidate: &Candidate| {
-        if candidate.lacks.is_empty() {
-            format!("is not the {} that was asked for", wanted.unwrap_or_default())
-        } else {
-            format!("lacks {}", candidate.lacks.join(", "))
+    let rejected = found.iter().filter(|candidate| named(candidate));
+    let rejected = rejected.map(|c| (c.name.clone(), format!("lacks {}", c.lacks.join(", ")))).collect::<Vec<_>>();
+    match wanted {
+        Some(wanted) if rejected.is_empty() && !found.is_empty() => {
+            let known = found.iter().map(|candidate| format!("{}: {}", candidate.index, candidate.name)).collect();
+            Err(photon_core::Error::UnknownDevice { wanted: wanted.to_owned(), known })
         }
-    };
-    Err(photon_core::Error::NoDevice { rejected: found.iter().map(|c| (c.name.clone(), why(c))).collect() })
+        _ => Err(photon_core::Error::NoDevice { rejected }),
+    }
 }
 
 /// Whether a list of extensions or layers contains `wanted`.
@@ -224,9 +226,19 @@ mod tests {
     #[test]
     fn each_rejected_device_says_why() {
         let Err(photon_core::Error::NoDevice { rejected }) = choose(three(), Some("old")) else { panic!("a device") };
-        assert_eq!(rejected.len(), 3);
-        assert!(rejected[1].1.contains("hostQueryReset"));
-        assert!(rejected[0].1.contains("old"));
+        assert_eq!(rejected.len(), 1);
+        assert!(rejected[0].1.contains("hostQueryReset"));
+    }
+
+    #[test]
+    fn an_unknown_device_lists_those_there_are() {
+        for wanted in ["7", "matrox"] {
+            let text = choose(three(), Some(wanted)).map(drop).unwrap_err().to_string();
+            assert!(text.starts_with(&format!("there is no device '{wanted}'; there are 0: ")), "{text}");
+            assert!(three().iter().all(|known| text.contains(&format!("{}: {}", known.index, known.name))), "{text}");
+        }
+        let none = choose(Vec::new(), Some("7"));
+        assert!(matches!(none, Err(photon_core::Error::NoDevice { rejected }) if rejected.is_empty()));
     }
 
     /// A device that just meets the baseline.

@@ -77,6 +77,16 @@ fn limits_and_targets_become_a_plan() {
 }
 
 #[test]
+fn one_number_is_a_square() {
+    let size = |text| args(&["--size", text]).map(|args| args.settings.picture.size);
+    for (text, expected) in [("512", (512, 512)), ("640x480", (640, 480)), ("640X480", (640, 480)), ("9×8", (9, 8))] {
+        assert_eq!(size(text).unwrap(), expected, "{text}");
+    }
+    let error = size("512x").unwrap_err().to_string();
+    assert!(error.contains("--size") && error.contains("640x480, or one number"), "{error}");
+}
+
+#[test]
 fn times_have_units() {
     let checkpoint =
         |text| args(&["--film", "a.film", "--checkpoint", text]).map(|args| args.film.checkpoint.as_secs_f64());
@@ -182,7 +192,14 @@ fn absurd_values_are_refused() {
         vec!["--total-photons", "0.5"],
         vec!["--total-photons", "1e30"],
         vec!["--size", "0x0"],
-        vec!["--size", "12"],
+        vec!["--size", "0"],
+        vec!["--size", "512x"],
+        vec!["--size", "x512"],
+        vec!["--size", "8x8x8"],
+        vec!["--size", "-8"],
+        vec!["--size", "99999999999"],
+        vec!["--size", "1e3"],
+        vec!["--size", ""],
         vec!["--passes", "0"],
         vec!["--time", "0"],
         vec!["--time", "nan"],

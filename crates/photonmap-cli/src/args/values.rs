@@ -75,10 +75,11 @@ pub(super) fn total(text: &str) -> Result<u64, String> {
     found.ok_or_else(|| "give a whole number such as 200000000, 200k, 200M or 2e8".to_owned())
 }
 
-/// Parses width and height.
+/// Parses width and height, or the side of a square.
 pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
-    let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    let (width, height) = parsed.ok_or("give two whole numbers with an x between, such as 640x480")?;
+    let (width, height) = text.split_once(['x', 'X', '×']).unwrap_or((text, text));
+    let parsed = width.trim().parse().ok().zip(height.trim().parse().ok());
+    let (width, height) = parsed.ok_or("give width and height with an x between, such as 640x480, or one number")?;
     photon_core::check_size(width, height).map_err(|error| error.to_string())?;
     Ok((width, height))
 }

@@ -19,6 +19,7 @@ mod render_film;
 mod render_passes;
 pub mod scenes;
 
+use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -74,9 +75,14 @@ enum Command {
 #[must_use]
 pub fn main() -> ExitCode {
     signals::ignore_file_size_limit();
-    match Cli::try_parse_from(set::expanded(std::env::args_os())) {
+    let arguments = set::expanded(std::env::args_os());
+    match Cli::try_parse_from(&arguments) {
         Ok(cli) => fault::run(|| run(&cli.command)),
         Err(error) => {
+            if let Some(refusal) = negative(&error, &arguments) {
+                say!("error: {refusal}");
+                return ExitCode::from(2);
+            }
             // Help goes to standard output; nobody need read it.
             let _ = error.print();
             if let Some(hint) = hint(&error) {
@@ -85,6 +91,16 @@ pub fn main() -> ExitCode {
             ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
         }
     }
+}
+
+/// The message on a negative number for an option that has none: the parser takes it for an option, and its advice
+/// does not help.
+fn negative(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
+    let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) else { return None };
+    let is_number = error.kind() == ErrorKind::UnknownArgument && given.parse::<f64>().is_ok();
+    let at = arguments.iter().position(|argument| is_number && argument == given.as_str())?;
+    let option = arguments.get(at.checked_sub(1)?)?.to_str()?;
+    option.starts_with('-').then(|| format!("{option} is {given}, but must not be negative"))
 }
 
 /// The way to what was probably meant: a scene without a command, or an option by its name in other programs.
@@ -101,9 +117,6 @@ fn hint(error: &clap::Error) -> Option<String> {
         }
         ErrorKind::UnknownArgument => {
             let given = of(ContextKind::InvalidArg)?;
-            if given.parse::<f64>().is_ok() {
-                return Some(format!("hint: {given} is negative, which the option before it may not be"));
-            }
             let (_, ours) = OTHERS.iter().find(|(names, _)| names.contains(&given))?;
             Some(format!("hint: {ours}"))
         }
@@ -171,11 +184,25 @@ mod tests {
         for (option, ours) in [("--spp", "--passes"), ("--width", "--size"), ("--gpu", "--backend"), ("-q", "2>")] {
             assert!(of(&["render", "cornell", option, "64"]).contains(ours), "{option}");
         }
-        assert!(of(&["render", "cornell", "--seed", "-1"]).contains("-1 is negative"));
         assert!(of(&["render", "--backend", "gpu"]).contains("--backend vulkan"));
         assert_eq!([of(&["render", "--backend", "none"]), of(&["render", "--preset", "gpu"])], ["", ""]);
         assert_eq!(of(&["rendr"]), "");
         assert_eq!(of(&["render", "--nonsense"]), "");
+    }
+
+    #[test]
+    fn negative_numbers_are_refused_by_the_name_of_their_option() {
+        let of = |arguments: &[&str]| {
+            let arguments: Vec<_> = [&["photonmap", "render"], arguments].concat().iter().map(OsString::from).collect();
+            negative(&Cli::try_parse_from(&arguments).unwrap_err(), &arguments)
+        };
+        for (option, value) in [("--seed", "-1"), ("--photons", "-2e5"), ("--radius", "-0.5"), ("--threads", "-4")] {
+            let expected = format!("{option} is {value}, but must not be negative");
+            assert_eq!(of(&["cornell", option, value, "--errors"]), Some(expected));
+        }
+        assert_eq!(of(&["cornell", "-1"]), None);
+        assert_eq!(of(&["cornell", "--nonsense"]), None);
+        assert_eq!(of(&["cornell", "--size", "x"]), None);
     }
 
     /// `-h` is for a first picture, `--help` for most others; `--set` names the rest, and the manual page describes it.

@@ -32,6 +32,7 @@ mod save;
 mod scene;
 mod shading;
 pub mod shapes;
+mod similar;
 mod solids;
 mod summary;
 mod texture;
@@ -58,5 +59,6 @@ pub use report::{LoadReport, ReportKind, ReportLine};
 #[cfg(feature = "files")]
 pub use save::glb;
 pub use scene::Scene;
+pub use similar::did_you_mean;
 pub use summary::summed_up;
 pub use texture::{TextureDesc, TextureId, TextureRef, TexturesDesc};

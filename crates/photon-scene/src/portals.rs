@@ -6,9 +6,7 @@ use photon_core::Portal;
 use crate::builder::SceneBuilder;
 use crate::error::SceneError;
 use crate::normalise::Frame;
-
-/// Largest number of names that an error lists.
-const MAX_NAMES: usize = 20;
+use crate::similar;
 
 /// Smallest area of a portal that is not a line, as a share of its longest edge squared.
 const MIN_SHARE: f64 = 1e-9;
@@ -105,21 +103,11 @@ fn named(scene: &SceneBuilder, name: &str) -> Result<Vec<[[f64; 3]; 3]>, SceneEr
     Ok(found)
 }
 
-/// The names that exist, those that are most like `name` first.
+/// The names that exist and are most like `name`.
 fn similar(scene: &SceneBuilder, name: &str) -> String {
     let mut names: Vec<&str> = scene.meshes.iter().map(|mesh| &*mesh.name).collect();
     names.extend(scene.meshes.iter().map(|mesh| scene.materials[mesh.material.0 as usize].name.as_str()));
     names.sort_unstable();
     names.dedup();
-    let lower = name.to_lowercase();
-    let shared = |known: &str| known.chars().zip(lower.chars()).take_while(|(a, b)| a == b).count();
-    names.sort_by_key(|known| {
-        let known = known.to_lowercase();
-        let contained = known.contains(&lower) || (!known.is_empty() && lower.contains(&known));
-        (!contained, std::cmp::Reverse(shared(&known)))
-    });
-    let more = names.len().saturating_sub(MAX_NAMES);
-    let listed: Vec<_> = names.iter().take(MAX_NAMES).map(|known| format!("'{known}'")).collect();
-    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!("there are {}{rest}", listed.join(", "))
+    similar::did_you_mean(name, names)
 }

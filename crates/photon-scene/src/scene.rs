@@ -3,7 +3,7 @@
 use crate::boundaries::BoundaryTables;
 use crate::describe::{CameraDesc, ThinLens};
 use crate::error::SceneError;
-use crate::{camera, validate};
+use crate::{camera, similar, validate};
 use photon_core::{
     Camera, EnvironmentMap, Light, Material, Medium, OwnedGridTables, OwnedShadingTables, Portal, Primitive, SceneView,
     Units,
@@ -106,10 +106,13 @@ impl Scene {
         let wanted = |(known, _): &&(String, CameraDesc)| name.is_none_or(|name| name == known);
         match (self.cameras.iter().find(wanted), name) {
             (Some((name, desc)), _) => Ok((name, desc)),
-            (None, Some(name)) if !self.cameras.is_empty() => Err(SceneError::UnknownCamera {
-                name: name.to_owned(),
-                known: self.camera_names().map(str::to_owned).collect(),
-            }),
+            (None, Some(name)) if !self.cameras.is_empty() => {
+                // The middle of a long list is left out.
+                let mut known: Vec<&str> = self.camera_names().collect();
+                similar::sort(name, &mut known);
+                let known = known.into_iter().map(str::to_owned).collect();
+                Err(SceneError::UnknownCamera { name: name.to_owned(), known })
+            }
             (None, _) => Err(SceneError::NoCamera),
         }
     }

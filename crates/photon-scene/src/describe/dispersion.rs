@@ -100,12 +100,22 @@ impl Dispersion {
         Medium { ior: ior as f32, dispersion, terms: terms.map(|term| term as f32), ..Medium::VACUUM }
     }
 
+    /// Its value, and usual ones if they are one number.
+    fn in_words(self) -> (String, &'static str) {
+        match self {
+            Self::Abbe(abbe) => (format!("{abbe:?}"), "; glass has Abbe numbers of 20 to 90"),
+            Self::Cauchy(terms) => (format!("{terms:?}"), ""),
+            Self::Sellmeier(terms) => (format!("{terms:?}"), ""),
+        }
+    }
+
     /// Why it is invalid for a surface with this refractive index: the value and a hint.
     pub(crate) fn fault(self, ior: f64) -> Option<(String, &'static str)> {
-        let (value, numbers) = match self {
-            Self::Abbe(abbe) => (format!("{abbe:?}"), vec![abbe]),
-            Self::Cauchy(terms) => (format!("{terms:?}"), terms.to_vec()),
-            Self::Sellmeier(terms) => (format!("{terms:?}"), terms.to_vec()),
+        let (value, _) = self.in_words();
+        let numbers = match self {
+            Self::Abbe(abbe) => vec![abbe],
+            Self::Cauchy(terms) => terms.to_vec(),
+            Self::Sellmeier(terms) => terms.to_vec(),
         };
         if let Self::Abbe(abbe) = self
             && !(abbe.is_finite() && abbe > 0.0)
@@ -129,12 +139,11 @@ impl Dispersion {
         (!is_valid).then_some((value, hint))
     }
 
-    /// Whether the refractive index is below 1 for some visible light, where 1 is used.
-    fn is_clamped(self, ior: f64) -> bool {
-        (0..Spectrum::CELLS).any(|cell| {
-            let index = self.unclamped(ior, f64::from(Wavelength::of_cell(cell).micrometres()));
-            !(index >= 1.0)
-        })
+    /// The least refractive index of visible light that is below 1, or none, and its wavelength in micrometres.
+    fn clamped(self, ior: f64) -> Option<(f64, f64)> {
+        let lines = (0..Spectrum::CELLS).map(|cell| f64::from(Wavelength::of_cell(cell).micrometres()));
+        let indices = lines.map(|micrometres| (self.unclamped(ior, micrometres), micrometres));
+        indices.filter(|(index, _)| !(*index >= 1.0)).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 
@@ -142,12 +151,13 @@ impl Dispersion {
 pub(crate) fn warn(materials: &[MaterialDesc], warnings: &mut Vec<String>) {
     for desc in materials.iter().filter(|desc| desc.is_solid()) {
         if let (Some(dispersion), Some(ior)) = (desc.dispersion, desc.ior())
-            && dispersion.is_clamped(ior)
+            && let Some((index, micrometres)) = dispersion.clamped(ior)
         {
+            let (name, (value, usual)) = (dispersion.name(), dispersion.in_words());
             warnings.push(format!(
-                "material '{}': its {} gives a refractive index below 1 for some visible light, where 1 is used",
-                desc.name,
-                dispersion.name()
+                "material '{}': its {name} {value} gives a refractive index of {index:.3} at {micrometres:.2} micrometres; \
+                 1 is used for all below 1{usual}",
+                desc.name
             ));
         }
     }
@@ -156,6 +166,24 @@ pub(crate) fn warn(materials: &[MaterialDesc], warnings: &mut Vec<String>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The warning has what was given, the index that follows, and what is usual.
+    #[test]
+    fn indices_below_1_are_a_warning() {
+        let warnings = |dispersion| {
+            let mut warnings = Vec::new();
+            warn(&[MaterialDesc::glass("prism", 1.5).with_dispersion(dispersion)], &mut warnings);
+            warnings.join("\n")
+        };
+        for usual in [Dispersion::Abbe(20.0), Dispersion::Abbe(1.0), Dispersion::Cauchy([1.5, 0.004])] {
+            assert_eq!(warnings(usual), "", "{usual:?}");
+        }
+        let text = warnings(Dispersion::Abbe(0.001));
+        assert!(text.starts_with("material 'prism': its abbe 0.001 gives a refractive index of -"), "{text}");
+        assert!(text.ends_with("below 1; glass has Abbe numbers of 20 to 90"), "{text}");
+        let text = warnings(Dispersion::Cauchy([0.9, 0.0]));
+        assert!(text.contains("its cauchy [0.9, 0.0] gives a refractive index of 0.900 at"), "{text}");
+    }
 
     /// BK7 at the lines F, d and C by its catalogue, and its Abbe number; glTF's formula at an index of 1.5 and a dispersion
     /// of 0.33, as an independent program evaluates it.

@@ -1,6 +1,6 @@
 //! Environments by name, as options of programs have them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::EnvironmentDesc;
@@ -38,6 +38,10 @@ impl FromStr for EnvironmentName {
                 Some(&[elevation, turbidity]) => Ok(Self::Sky(elevation, turbidity)),
                 _ => Err("give the elevation of the sun in degrees and the turbidity, such as sky:30,3".to_owned()),
             };
+        }
+        let path = Path::new(text);
+        if path.extension().is_none() && !path.exists() {
+            return Err(format!("there is no file {text}; give an image, constant:R,G,B, or sky:30,3"));
         }
         Ok(Self::File(text.into()))
     }

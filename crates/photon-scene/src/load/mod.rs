@@ -26,6 +26,9 @@ use crate::describe::MaterialDesc;
 use crate::error::SceneError;
 use crate::report::LoadReport;
 use crate::scene::Scene;
+use photon_core::FileKind;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 pub use self::budget::LoadOptions;
@@ -76,7 +79,7 @@ pub fn load_builder_with(
         Some("ply") => ply::load_within(path, &budget)?,
         Some("stl") => stl::load_within(path, &budget)?,
         _ if path.is_dir() => return Err(SceneError::Folder { path: path.to_owned() }),
-        _ => return Err(SceneError::UnknownFormat { path: path.to_owned(), hint: conversion(extension.as_deref()) }),
+        _ => return Err(unknown_format(path, conversion(extension.as_deref()))),
     };
     if let Some(overrides) = overrides {
         overrides.apply_within(&mut builder, &mut report, &budget)?;
@@ -94,6 +97,19 @@ pub fn load_builder_with(
         builder.camera("automatic", camera);
     }
     Ok((builder, report))
+}
+
+/// The error of a file whose extension is not known: by its content, if no `hint` follows from the extension.
+fn unknown_format(path: &Path, hint: &'static str) -> SceneError {
+    let mut start = Vec::new();
+    // Opening a pipe would wait for its writer.
+    let is_read = hint.is_empty()
+        && path.is_file()
+        && File::open(path).is_ok_and(|file| file.take(FileKind::START as u64).read_to_end(&mut start).is_ok());
+    match FileKind::of(&start).filter(|_| is_read) {
+        Some(kind) => SceneError::OtherKind { path: path.to_owned(), kind },
+        None => SceneError::UnknownFormat { path: path.to_owned(), hint },
+    }
 }
 
 /// How files of a known format of others become one that is read.

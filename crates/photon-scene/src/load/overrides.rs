@@ -3,9 +3,11 @@
 mod add;
 mod frame;
 mod medium;
+mod message;
 
 use self::add::add_light;
 use self::frame::Frame;
+use self::message::{Message, kinds_with};
 use super::budget::{Budget, LoadOptions};
 use super::light_units::LightUnits;
 use super::schema::{File, Kind, Material};
@@ -13,6 +15,7 @@ use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, Dispersion, MaterialDesc, PhaseDesc, PhaseKeys, Surface};
 use crate::error::SceneError;
 use crate::report::LoadReport;
+use crate::similar;
 use crate::texture::TexturesDesc;
 use photon_core::shown;
 use std::path::{Path, PathBuf};
@@ -58,15 +61,8 @@ impl Overrides {
         match toml::from_str(text) {
             Ok(file) => Ok(Self { path, file }),
             Err(error) => {
-                let before = error.span().and_then(|span| text.get(..span.start));
-                let line = before.map(|before| before.matches('\n').count() as u64 + 1);
-                let what = error.message().trim().replace('\n', "; ");
-                Err(SceneError::Content {
-                    path,
-                    line,
-                    what,
-                    hint: "docs/scene-files.md lists the valid keys and values".to_owned(),
-                })
+                let Message { line, what, hint } = message::of(text, &error);
+                Err(SceneError::Content { path, line, what, hint })
             }
         }
     }
@@ -151,7 +147,7 @@ impl Overrides {
             }
             scene.material(MaterialDesc::lambert(name, [0.5; 3]));
         } else if !known {
-            return Err(self.unknown(&format!("there is no material '{name}'"), scene));
+            return Err(self.unknown(name, &format!("there is no material '{name}'"), scene));
         }
         for material in scene.materials.iter_mut().filter(|material| material.name == name) {
             self.change(material, with, budget)?;
@@ -159,10 +155,10 @@ impl Overrides {
         Ok(())
     }
 
-    fn unknown(&self, what: &str, scene: &SceneBuilder) -> SceneError {
-        let names: Vec<_> = scene.materials.iter().map(|material| format!("'{}'", material.name)).collect();
-        let hint = format!("there are {}; 'new = true' in [materials] adds one", names.join(", "));
-        self.fault(what.to_owned(), hint)
+    fn unknown(&self, name: &str, what: &str, scene: &SceneBuilder) -> SceneError {
+        let hint = similar::did_you_mean(name, scene.materials.iter().map(|material| material.name.as_str()));
+        let separator = if hint.ends_with('?') { "" } else { ";" };
+        self.fault(what.to_owned(), format!("{hint}{separator} 'new = true' in its table adds one"))
     }
 
     /// The dispersion that a material is given, if any.
@@ -384,15 +380,7 @@ impl Overrides {
         if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
             let kind = format!("{kind:?}").to_lowercase();
             let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
-            let hint = "glass has ior, cauchy, abbe, sellmeier, tint, roughness, \
-                        absorption, scattering, phase, anisotropy, priority, grid, boundary last 6, \
-                        thin ior, tint, roughness, \
-                        glossy has albedo, metallic, roughness, specular, specular_color, ior, anisotropy, \
-                        anisotropy_degrees, transmission, and with that absorption, priority and the dispersion of glass, \
-                        lambert and mirror have albedo, all but boundary, glass and thin have clearcoat, \
-                        clearcoat_roughness, sheen and sheen_roughness, \
-                        lambert and glossy diffuse_transmission and diffuse_transmission_color; \
-                        give another kind, or leave it out";
+            let hint = format!("{} it; give such a kind, or leave it out", kinds_with(property));
             return Err(self.fault(what, hint));
         }
         desc.emission = with.emission.map_or(desc.emission, |given| given.rgb());

@@ -20,7 +20,7 @@ pub(super) struct File {
 
 /// `[materials."name"]`: the given properties replace those of the scene.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "the keys of a material, such as { kind = \"glass\", ior = 1.5 }")]
 pub(super) struct Material {
     /// Adds a material to the scene instead of changing an existing one.
     #[serde(default)]
@@ -89,7 +89,12 @@ impl Colour {
 
 /// `[[lights]]`
 #[derive(Clone, Debug, Deserialize)]
-#[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
+#[serde(
+    tag = "type",
+    rename_all = "lowercase",
+    deny_unknown_fields,
+    expecting = "a light, such as { type = \"point\", position = [0, 1, 0], intensity = 1 }"
+)]
 pub(super) enum Light {
     Point {
         name: Option<String>,
@@ -128,7 +133,7 @@ pub(super) enum Light {
 
 /// `[[quads]]`
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a quadrilateral with corner, edges and material")]
 pub(super) struct Quad {
     pub(super) name: Option<String>,
     #[serde(default)]
@@ -140,7 +145,7 @@ pub(super) struct Quad {
 
 /// `[[cameras]]`
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a camera with name, from, to and fov_degrees")]
 pub(super) struct Camera {
     pub(super) name: String,
     #[serde(default)]
@@ -161,7 +166,7 @@ fn upwards() -> [f64; 3] {
 
 /// `[medium]`: the medium around all solids.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a medium, such as { scattering = 0.1, absorption = 0.01 }")]
 pub(super) struct Medium {
     pub(super) scattering: Option<Colour>,
     pub(super) absorption: Option<Colour>,
@@ -174,7 +179,10 @@ pub(super) struct Medium {
 
 /// `[environment]`: at most one of `file`, `radiance` and `sky`, and portals.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an environment, such as { sky = { elevation = 30, turbidity = 3 } } or { file = \"studio.exr\" }"
+)]
 pub(super) struct Environment {
     pub(super) file: Option<PathBuf>,
     pub(super) radiance: Option<Colour>,
@@ -192,7 +200,7 @@ pub(super) struct Environment {
 
 /// `[[environment.portal]]`
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a portal with corners")]
 pub(super) struct Portal {
     pub(super) name: Option<String>,
     #[serde(default)]
@@ -203,7 +211,7 @@ pub(super) struct Portal {
 
 /// The clear sky of an environment.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a sky, such as { elevation = 30, turbidity = 3 }")]
 pub(super) struct Sky {
     pub(super) elevation: f64,
     pub(super) turbidity: f64,

@@ -88,7 +88,7 @@ fn override_files_set_the_environment() {
     let fault = |text: &str| message(scene(text));
     names(&fault("[environment]\n"), &["over.toml", "empty", "file, radiance or sky"]);
     names(&fault("[environment]\nradiance = 1\nfile = \"sky.hdr\"\n"), &["over.toml", "more than one"]);
-    names(&fault("[environment]\nradience = 1\n"), &["over.toml, line 2", "radience", "`radiance`"]);
+    names(&fault("[environment]\nradience = 1\n"), &["over.toml, line 2", "radience", "'radiance'"]);
     names(&fault("[environment]\nfile = \"gone.exr\"\n"), &["gone.exr", "cannot read"]);
     names(&fault("[environment]\nfile = \"scene.obj\"\n"), &["scene.obj", "unknown format"]);
     names(&fault("[environment]\nradiance = -1\n"), &["constant:-1,-1,-1", "at least 0"]);

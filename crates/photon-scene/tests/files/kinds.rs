@@ -70,6 +70,14 @@ fn other_kinds_of_files_are_named() {
         names(&message(scene(&folder.file(name, bytes))), &[name, "extension"]);
     }
     names(&message(scene(&folder.file("a.obj", b"VOL\x03"))), &["a grid of densities", "override"]);
+    // Under a name that says nothing.
+    for (name, bytes, part) in
+        [("a.txt", &b"glTF\x02\0\0\0"[..], "it is a GLB; give it the extension"), ("a.zip", ZIP, "unpack it")]
+    {
+        names(&message(scene(&folder.file(name, bytes))), &[name, part]);
+    }
+    names(&message(scene(&folder.file("a.usdz", ZIP))), &["a.usdz: unknown scene file format", "USD converter"]);
+    names(&message(scene(&folder.file("a.txt", b"words"))), &["a.txt: unknown scene file format"]);
     names(&message(load_image(&folder.file("a.exr", b"glTF\x02\0\0\0"))), &["it is a GLB"]);
     names(&message(Overrides::read(&folder.file("a.toml", HTML))), &["a.toml", "an HTML page"]);
     // An empty override file changes nothing.

@@ -105,7 +105,7 @@ fn stl_faults() {
         assert!(whole.contains(from), "{from}: {whole}");
         names(&fault(whole.replacen(from, to, 1).as_bytes()), &["a.stl", part]);
     }
-    names(&fault(&whole.as_bytes()[..whole.len() / 2]), &["triangle 1: the file ends in place of", "truncated"]);
+    names(&fault(&whole.as_bytes()[..whole.len() / 2]), &["triangle 2: the file ends in place of", "truncated"]);
     let whole = binary("a");
     names(&fault(&whole[..whole.len() - 1]), &["declares 4 triangles, of which the file can hold 3", "truncated"]);
     names(&fault(&whole[..84]), &["declares 4 triangles, of which the file can hold 0"]);

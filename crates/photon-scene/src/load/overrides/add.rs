@@ -23,7 +23,7 @@ impl Overrides {
         let name = quad.name.clone().unwrap_or_else(|| format!("override quad {index}"));
         let Some(material) = scene.materials.iter().position(|material| material.name == quad.material) else {
             let what = format!("quad '{name}' uses material '{}', which does not exist", quad.material);
-            return Err(self.unknown(&what, scene));
+            return Err(self.unknown(&quad.material, &what, scene));
         };
         let corners = frame.corners(quad.relative, quad.corner, quad.edges);
         scene.quad(name, corners, MaterialId(material as u32));

@@ -85,6 +85,9 @@ const TEXT: &[Row] = &[
 const HTML: (&str, &str) = ("an HTML page", "download the file itself instead of the page about it");
 
 impl FileKind {
+    /// So many bytes at the start of a file show its kind.
+    pub const START: usize = 512;
+
     /// The kind of the file that starts with these bytes, unless its extension, in lower case, is one of `expected`; none of an
     /// unknown kind.
     #[must_use]

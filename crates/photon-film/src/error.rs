@@ -23,6 +23,14 @@ pub enum FilmFileError {
         /// What is wrong.
         why: String,
     },
+    /// The file is of another kind.
+    #[error("{}: is no film file: it {kind}", path.display())]
+    OtherKind {
+        /// The file.
+        path: PathBuf,
+        /// What it is, and the remedy.
+        kind: photon_core::FileKind,
+    },
     /// A later version of this library wrote the file.
     #[error("{}: has format {found}, but this version reads formats up to {known}; use a newer version", path.display())]
     Newer {

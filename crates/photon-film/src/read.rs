@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use photon_core::Film;
+use photon_core::{FileKind, Film};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
@@ -73,11 +73,17 @@ impl FilmReader<BufReader<File>> {
             if !std::fs::metadata(path)?.is_file() {
                 return Err(std::io::Error::other("it is not a regular file"));
             }
-            let file = File::open(path)?;
+            let mut file = File::open(path)?;
             let length = file.metadata()?.len();
-            Ok((file, length))
+            let mut start = Vec::new();
+            file.by_ref().take(FileKind::START as u64).read_to_end(&mut start)?;
+            file.rewind()?;
+            Ok((file, length, FileKind::other_than(&["zip"], &start)))
         };
-        let (file, length) = open().map_err(|source| FilmFileError::Read { path: path.to_owned(), source })?;
+        let (file, length, kind) = open().map_err(|source| FilmFileError::Read { path: path.to_owned(), source })?;
+        if let Some(kind) = kind {
+            return Err(FilmFileError::OtherKind { path: path.to_owned(), kind });
+        }
         Self::new(BufReader::new(file), length, path)
     }
 }

@@ -6,7 +6,7 @@ use exr::prelude::*;
 use photon_core::{ConfidenceInterval, Film, Layer as Part};
 
 use crate::atomic_write;
-use crate::fault::{Fault, check_regular};
+use crate::fault::{Fault, check_kind, check_regular};
 
 /// Writes one part of f32 channels: `R G B`, which is the sum of `emission.*`, `direct.*`,
 /// `caustic.*` and `indirect.*`, then `depth.Z`, `N.*`, `albedo.*` and `error.Y`, the standard error
@@ -109,6 +109,7 @@ pub fn write_picture(path: &Path, picture: &Picture) -> std::result::Result<(), 
 pub fn read(path: &Path) -> std::result::Result<Picture, Fault> {
     let wrong = |what: String| Fault::input(format!("{}: {what}", path.display()));
     check_regular(path)?;
+    check_kind(path, "exr", "an OpenEXR picture (.exr)")?;
     let image = read_first_flat_layer_from_file(path)
         .map_err(|why| wrong(format!("cannot be read as an OpenEXR picture (.exr): {why}")))?;
     let layer = image.layer_data;

@@ -1,6 +1,10 @@
 //! Errors of the programs: one line that names the cause, and an exit code for the kind of error.
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
+
+use photon_core::FileKind;
 
 /// Why the program ends early.
 // Exhaustive: each has an exit code.
@@ -81,6 +85,19 @@ pub fn check_regular(path: &Path) -> Result<(), Fault> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses a file of another known kind than `wanted`, which has this extension; a file that does not exist is left to its
+/// reader.
+///
+/// # Errors
+/// [`Fault::Input`], which names the file, what it is, and the remedy.
+pub fn check_kind(path: &Path, extension: &str, wanted: &str) -> Result<(), Fault> {
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(FileKind::START as u64).read_to_end(&mut start));
+    let Some(kind) = FileKind::other_than(&[extension], &start).filter(|_| read.is_ok()) else { return Ok(()) };
+    let text = if kind.extension.is_some() { format!("is {}, not {wanted}", kind.name) } else { kind.to_string() };
+    Err(Fault::input(format!("{}: {text}", path.display())))
 }
 
 impl From<photon_core::Error> for Fault {

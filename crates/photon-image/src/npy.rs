@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::fault::{Fault, check_regular};
+use crate::fault::{Fault, check_kind, check_regular};
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
@@ -53,6 +53,7 @@ impl Shape {
 fn read(path: &Path, shape: Shape) -> Result<Vec<[f32; 3]>, Fault> {
     let wrong = |what: &str| Fault::input(format!("{}: {what}", path.display()));
     check_regular(path)?;
+    check_kind(path, "npy", "an array of NumPy (.npy)")?;
     let bytes = std::fs::read(path).map_err(|why| wrong(&format!("cannot be read: {why}")))?;
     parse(&bytes, shape).map_err(|what| wrong(&what))
 }

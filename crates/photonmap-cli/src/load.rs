@@ -119,12 +119,12 @@ fn described(args: &SceneArgs, options: &LoadOptions) -> Result<(SceneBuilder, L
             Ok((builder, report))
         }
         None if path.extension().is_none() && !path.is_dir() => {
-            let names: Vec<&str> = photon_scene::builtin_names().iter().map(|(name, _)| *name).collect();
+            let names = photon_scene::builtin_names().iter().map(|(name, _)| *name);
             Err(Fault::input(format!(
-                "{}: no built-in scene has that name (there are {}), and it has no extension that gives the format of \
-                 a file",
+                "{}: no built-in scene (`photonmap scenes` lists them) has that name, and it has no extension that gives \
+                 the format of a file; {}",
                 args.scene,
-                names.join(", ")
+                photon_scene::did_you_mean(&args.scene, names)
             )))
         }
         None => {

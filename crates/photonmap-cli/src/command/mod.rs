@@ -6,6 +6,7 @@ pub mod devices;
 pub mod explain;
 pub mod export;
 pub mod info;
+mod lost;
 pub mod manual;
 pub mod map;
 mod map_scale;
@@ -13,6 +14,7 @@ mod map_search;
 pub mod merge;
 pub mod outlook;
 pub mod picture;
+mod refusal;
 pub mod render;
 mod render_blocks;
 mod render_film;
@@ -20,10 +22,8 @@ mod render_passes;
 pub mod scenes;
 
 use std::ffi::OsString;
-use std::path::Path;
 use std::process::ExitCode;
 
-use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
 use crate::args::{ExplainArgs, RenderArgs, set};
@@ -75,70 +75,13 @@ enum Command {
 #[must_use]
 pub fn main() -> ExitCode {
     signals::ignore_file_size_limit();
-    let arguments = set::expanded(std::env::args_os());
+    let given: Vec<OsString> = std::env::args_os().collect();
+    let arguments = set::expanded(given.iter().cloned());
     match Cli::try_parse_from(&arguments) {
         Ok(cli) => fault::run(|| run(&cli.command)),
-        Err(error) => {
-            if let Some(refusal) = negative(&error, &arguments) {
-                say!("error: {refusal}");
-                return ExitCode::from(2);
-            }
-            // Help goes to standard output; nobody need read it.
-            let _ = error.print();
-            if let Some(hint) = hint(&error) {
-                say!("\n  {hint}");
-            }
-            ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
-        }
+        Err(error) => refusal::report(error, &given, &arguments),
     }
 }
-
-/// The message on a negative number for an option that has none: the parser takes it for an option, and its advice
-/// does not help.
-fn negative(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
-    let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) else { return None };
-    let is_number = error.kind() == ErrorKind::UnknownArgument && given.parse::<f64>().is_ok();
-    let at = arguments.iter().position(|argument| is_number && argument == given.as_str())?;
-    let option = arguments.get(at.checked_sub(1)?)?.to_str()?;
-    option.starts_with('-').then(|| format!("{option} is {given}, but must not be negative"))
-}
-
-/// The way to what was probably meant: a scene without a command, or an option by its name in other programs.
-fn hint(error: &clap::Error) -> Option<String> {
-    let of = |kind| match error.get(kind) {
-        Some(ContextValue::String(text)) => Some(text.as_str()),
-        _ => None,
-    };
-    match error.kind() {
-        ErrorKind::InvalidSubcommand => {
-            let given = of(ContextKind::InvalidSubcommand)?;
-            let is_scene = Path::new(given).extension().is_some() || photon_scene::builtin(given).is_some();
-            is_scene.then(|| format!("hint: photonmap render {given}"))
-        }
-        ErrorKind::UnknownArgument => {
-            let given = of(ContextKind::InvalidArg)?;
-            let (_, ours) = OTHERS.iter().find(|(names, _)| names.contains(&given))?;
-            Some(format!("hint: {ours}"))
-        }
-        ErrorKind::InvalidValue => {
-            let is_gpu = ["gpu", "cuda", "optix", "metal"].contains(&of(ContextKind::InvalidValue)?);
-            let is_backend = of(ContextKind::InvalidArg)?.starts_with("--backend");
-            (is_gpu && is_backend)
-                .then(|| "hint: --backend vulkan renders on a GPU; `photonmap devices` lists them".to_owned())
-        }
-        _ => None,
-    }
-}
-
-/// Names of options in other programs, and what to use here.
-const OTHERS: [(&[&str], &str); 6] = [
-    (&["--spp", "--samples", "-s"], "--passes N, or --time SECONDS; each pass has one sample per pixel"),
-    (&["--width", "--height", "--resolution", "-w"], "--size 512x512"),
-    (&["--gpu", "--cpu", "--cuda"], "--backend vulkan or --backend cpu; `photonmap devices` lists GPUs"),
-    (&["--quiet", "-q", "--verbose", "-v"], "progress and warnings go to standard error: 2> /dev/null hides them"),
-    (&["--hdri", "--envmap", "--light"], "--environment FILE.exr, or sky:30,3, or constant"),
-    (&["--out", "-O"], "-o FILE.png or -o FILE.exr"),
-];
 
 fn run(command: &Command) -> Result<(), Fault> {
     match command {
@@ -171,38 +114,6 @@ mod tests {
     #[test]
     fn the_declarations_are_consistent() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn what_was_probably_meant_is_said() {
-        let of = |arguments: &[&str]| {
-            let error = Cli::try_parse_from([&["photonmap"], arguments].concat()).unwrap_err();
-            hint(&error).unwrap_or_default()
-        };
-        assert_eq!(of(&["room.glb"]), "hint: photonmap render room.glb");
-        assert_eq!(of(&["cornell"]), "hint: photonmap render cornell");
-        for (option, ours) in [("--spp", "--passes"), ("--width", "--size"), ("--gpu", "--backend"), ("-q", "2>")] {
-            assert!(of(&["render", "cornell", option, "64"]).contains(ours), "{option}");
-        }
-        assert!(of(&["render", "--backend", "gpu"]).contains("--backend vulkan"));
-        assert_eq!([of(&["render", "--backend", "none"]), of(&["render", "--preset", "gpu"])], ["", ""]);
-        assert_eq!(of(&["rendr"]), "");
-        assert_eq!(of(&["render", "--nonsense"]), "");
-    }
-
-    #[test]
-    fn negative_numbers_are_refused_by_the_name_of_their_option() {
-        let of = |arguments: &[&str]| {
-            let arguments: Vec<_> = [&["photonmap", "render"], arguments].concat().iter().map(OsString::from).collect();
-            negative(&Cli::try_parse_from(&arguments).unwrap_err(), &arguments)
-        };
-        for (option, value) in [("--seed", "-1"), ("--photons", "-2e5"), ("--radius", "-0.5"), ("--threads", "-4")] {
-            let expected = format!("{option} is {value}, but must not be negative");
-            assert_eq!(of(&["cornell", option, value, "--errors"]), Some(expected));
-        }
-        assert_eq!(of(&["cornell", "-1"]), None);
-        assert_eq!(of(&["cornell", "--nonsense"]), None);
-        assert_eq!(of(&["cornell", "--size", "x"]), None);
     }
 
     /// `-h` is for a first picture, `--help` for most others; `--set` names the rest, and the manual page describes it.

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use photon_core::{LightShare, Outcome, Pipeline, Render, Settings, TransportBackend, View};
+use photon_core::{LightShare, Pipeline, Render, Settings, TransportBackend, View};
 use photon_scene::{CompressedTree, LoadReport, Scene};
 
 use crate::args::{MachineArgs, RenderArgs};
 use crate::backend::{self, Opened};
 use crate::command::decided::{self, Decided};
 use crate::command::picture::{self, Look, Shown};
-use crate::command::{render_blocks, render_film, render_passes};
+use crate::command::{lost, render_blocks, render_film, render_passes};
 use crate::denoise::Denoiser;
 use crate::fault::Fault;
 use crate::outputs::Outputs;
@@ -73,7 +73,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         None
     };
     let seconds_total = begun.elapsed().as_secs_f64();
-    for warning in too_deep(&outcome).into_iter().chain(truncated(&outcome, settings.max_bounces)) {
+    let pixels = u64::from(view.width) * u64::from(view.height);
+    for warning in lost::too_deep(&outcome).into_iter().chain(lost::truncated(&outcome, &settings, pixels)) {
         say!("warning: {warning}");
         warnings.push(warning);
     }
@@ -200,29 +201,6 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
         }
     }
     Ok(args.files.output.clone())
-}
-
-/// A warning about paths that were inside more solids at once than a path can keep track of.
-fn too_deep(outcome: &Outcome) -> Option<String> {
-    let paths = outcome.tally.too_deep + outcome.aimed.too_deep;
-    (paths > 0).then(|| {
-        format!(
-            "{paths} photon paths entered more than {} overlapping solids at once; further ones were ignored there: merge \
-             solids, or close meshes that are open",
-            photon_core::MediumStack::DEPTH
-        )
-    })
-}
-
-/// A warning about paths that met as many surfaces as they may.
-fn truncated(outcome: &Outcome, max_bounces: u32) -> Option<String> {
-    let (seen, photons) = (outcome.truncated_camera_paths, outcome.tally.truncated + outcome.aimed.truncated);
-    (seen > 0 || photons > 0).then(|| {
-        format!(
-            "{seen} camera paths and {photons} photon paths ended after {max_bounces} surfaces, and the light beyond is \
-             missing: raise --max-bounces"
-        )
-    })
 }
 
 /// Warnings about lights that get hardly any photons, if photons are traced.

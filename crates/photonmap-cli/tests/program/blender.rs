@@ -140,7 +140,7 @@ fn wrong_light_units_are_named() {
     refused(&render(&["cornell", "--light-units", "standard"]), "cornell is not a glTF file");
     let overrides = folder.join("over.toml");
     std::fs::write(&overrides, "light_units = \"lux\"\n").unwrap();
-    refused(&render(&[&path, "--overrides", overrides.to_str().unwrap()]), "over.toml, line 1: unknown variant `lux`");
+    refused(&render(&[&path, "--overrides", overrides.to_str().unwrap()]), "over.toml, line 1: unknown value 'lux'");
 }
 
 #[test]

@@ -48,6 +48,37 @@ fn an_interrupt_leaves_a_valid_picture() {
     }
 }
 
+/// Every command that reads a file says what it was given if that is no such file, and what to do.
+#[test]
+fn files_of_other_kinds_are_named() {
+    let folder = folder("kinds");
+    let file = |name: &str, bytes: &[u8]| {
+        std::fs::write(folder.join(name), bytes).unwrap();
+        folder.join(name).to_str().unwrap().to_owned()
+    };
+    for (bytes, expected) in [
+        (&b"version https://git-lfs.github.com/spec/v1\n"[..], "Git LFS pointer; fetch the file with `git lfs pull`"),
+        (b"<!DOCTYPE html>\n<html>", "an HTML page; download the file itself"),
+        (b"", "is empty; copy, download or export it again"),
+    ] {
+        let [glb, stl, hdr, film, exr, npy] =
+            ["glb", "stl", "hdr", "film", "exr", "npy"].map(|ext| file(&format!("a.{ext}"), bytes));
+        for command in [
+            &["explain", &glb][..],
+            &["explain", &stl],
+            &["explain", "cornell", "--environment", &hdr],
+            &["info", &film],
+            &["picture", &film, "-o", "a.png"],
+            &["compare", &exr, &exr],
+            &["map", "--k", "2", "--queries", &npy, "--photons", &npy],
+        ] {
+            refused(&photonmap(command[0]).args(&command[1..]).output().unwrap(), expected);
+        }
+    }
+    let output = photonmap("compare").args([file("a.exr", b"\x89PNG\r\n"), file("b.exr", b"")]).output().unwrap();
+    refused(&output, "a.exr: is a PNG picture, not an OpenEXR picture");
+}
+
 /// While a scene is loaded there is nothing to write: the program ends at once, with a line.
 #[cfg(target_os = "linux")]
 #[test]

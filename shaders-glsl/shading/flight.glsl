@@ -120,7 +120,7 @@ float flight_deposit(Medium medium, vec3 power, float end, uint count, float u, 
 // it goes on, then with the power `left`.
 bool flight_thinned(vec3 power, vec3 start, vec3 position, float u, out vec3 left) {
     precise float far = sqrt(dot3(position, position));
-    precise float chance = flight_total(power) / (flight_total(start) * far);
+    precise float chance = flight_total(power) / (flight_total(start) * (far * sqrt(far)));
     precise vec3 survivor = power / chance;
     bool thins = far > 1.0 && chance < 1.0;
     left = thins ? survivor : power;

@@ -122,13 +122,14 @@ pub fn deposit(medium: &Medium, power: Vec3, end: f32, count: u32, [u, v]: [f32;
 /// Russian roulette at a collision at `position`, in a medium without bounds: the power with which a path that started with
 /// `start` goes on, or `None`. `u` decides.
 ///
-/// A random walk returns to the unit sphere from a distance d > 1 with probability 1/d. Few paths that return, each of d times
-/// the power it started with, then stand for as many as without roulette: the mean stays the same, and paths end soon.
+/// At a distance d > 1, paths of d^(3/2) times the power that they started with go on. The mean stays the same, whatever the
+/// exponent k. A random walk returns to the unit sphere with probability 1/d: with k ≤ 1 those that do are infinitely long in the
+/// mean, with k ≥ 2 the variance of what they bring is infinite.
 #[inline]
 #[must_use]
 pub fn thinned(power: Vec3, start: Vec3, position: Vec3, u: f32) -> Option<Vec3> {
     let distance = position.length();
-    let chance = power.element_sum() / (start.element_sum() * distance);
+    let chance = power.element_sum() / (start.element_sum() * (distance * distance.sqrt()));
     // All surfaces are in the unit sphere. Numbers that are not finite end the path elsewhere.
     if !(distance > 1.0 && chance < 1.0) {
         return Some(power);
@@ -212,7 +213,7 @@ mod tests {
             for power in [start, Vec3::new(0.2, 0.1, 0.0), 30.0 * start] {
                 let places = (0..N).map(|i| (i as f32 + 0.5) / N as f32);
                 let left: Vec<Vec3> = places.filter_map(|u| thinned(power, start, position, u)).collect();
-                let chance = power.element_sum() / start.element_sum() / position.length();
+                let chance = power.element_sum() / start.element_sum() / position.length().powf(1.5);
                 let kept = if position.length() > 1.0 { chance.min(1.0) } else { 1.0 };
                 let expected = f64::from(kept) * f64::from(N);
                 assert!(

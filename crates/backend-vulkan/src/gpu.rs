@@ -139,8 +139,8 @@ mod tests {
             text.contains("Old lacks timelineSemaphore; update its driver") && text.contains("--backend cpu"),
             "{text}"
         );
-        let known = vec!["0: New".to_owned()];
+        let known = vec!["number 0 is New".to_owned()];
         let text = why_not(&photon_core::Error::UnknownDevice { wanted: "7".to_owned(), known });
-        assert!(text.contains("there are 0: New; give the number") && !text.contains("update"), "{text}");
+        assert!(text.contains("number 0 is New; give a number") && !text.contains("update"), "{text}");
     }
 }

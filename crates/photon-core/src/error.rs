@@ -116,11 +116,11 @@ pub enum Error {
         rejected: Vec<(String, String)>,
     },
     /// No device has the requested number or name.
-    #[error("there is no device '{}'; there are {}; give the number of one, or a part of its name", shown(wanted), known.join("; "))]
+    #[error("there is no device '{}'; {}; give a number, or a part of a name", shown(wanted), known.join("; "))]
     UnknownDevice {
         /// The requested number, or part of a name.
         wanted: String,
-        /// Number and name of each device.
+        /// Number and name of each device, such as `number 0 is llvmpipe`.
         known: Vec<String>,
     },
     /// The device was lost, with all buffers and films on it.

@@ -109,7 +109,7 @@ impl Frame {
                  ever stored in 32 bits, it is distorted; move it towards the origin in the program that made it"
             ));
         }
-        if self.filled < 1e-3 {
+        if self.filled < DISTANT {
             warnings.push(format!(
                 "lights are so far away that the surfaces fill only {:.1e} of the scene's extent, which costs \
                  precision; use directional lights instead",
@@ -118,6 +118,9 @@ impl Frame {
         }
     }
 }
+
+/// Share of the scene's extent that surfaces fill, below which lights are far away.
+const DISTANT: f64 = 1e-3;
 
 /// Converts all meshes to normalised space, leaving out the triangles that have no area there. `Geometry::sources` is
 /// filled in if `traced`.
@@ -152,6 +155,13 @@ pub(crate) fn geometry(
         }
         geometry.add(mesh, desc.is_emissive(), frame, traced);
         if desc.is_emissive() && geometry.triangles.len() == first {
+            if frame.filled < DISTANT {
+                return Err(SceneError::Extreme {
+                    what: "the distance of the farthest light".to_owned(),
+                    value: format!("{:.1e} times the extent of the surfaces", 1.0 / frame.filled),
+                    hint: "move it closer, or use a directional light",
+                });
+            }
             return Err(SceneError::ZeroAreaLight { mesh: mesh.name.to_string(), material: desc.name.clone() });
         }
     }

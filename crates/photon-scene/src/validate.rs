@@ -9,6 +9,7 @@ use crate::error::SceneError;
 use crate::mesh::Mesh;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::fmt;
 
 /// A property, its value and its hint, to which the caller adds the name of the object.
 type Fault = (&'static str, String, &'static str);
@@ -194,7 +195,7 @@ fn heading(property: &'static str, direction: [f64; 3]) -> Result<(), Fault> {
     require(direction != [0.0; 3], property, direction, "it must not be zero")
 }
 
-fn require(fine: bool, property: &'static str, value: impl std::fmt::Debug, hint: &'static str) -> Result<(), Fault> {
+fn require(fine: bool, property: &'static str, value: impl fmt::Debug, hint: &'static str) -> Result<(), Fault> {
     if fine { Ok(()) } else { Err((property, format!("{value:?}"), hint)) }
 }
 
@@ -219,6 +220,17 @@ fn mesh(mesh: &Mesh, materials: usize) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// An angle in radians, which override files have in degrees.
+struct Angle(f64);
+
+impl fmt::Debug for Angle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Without the rounding of the conversion.
+        let degrees = (self.0.to_degrees() * 1e6).round() / 1e6;
+        write!(f, "{degrees} degrees ({:?} radians)", self.0)
+    }
+}
+
 fn light(desc: &LightDesc) -> Result<(), Fault> {
     match *desc {
         LightDesc::Point { position, intensity } => {
@@ -233,13 +245,13 @@ fn light(desc: &LightDesc) -> Result<(), Fault> {
                 // Below this, rounding directions to f32 would blur the cone by more than a hundredth.
                 (1e-5..=FRAC_PI_2).contains(&outer_angle),
                 "the outer angle",
-                outer_angle,
-                "it must lie between 0.00001 and π/2 radians",
+                Angle(outer_angle),
+                "it must lie between 0.001 and 90 degrees",
             )?;
             require(
                 inner_angle >= 0.0 && inner_angle <= outer_angle,
                 "the inner angle",
-                inner_angle,
+                Angle(inner_angle),
                 "it must lie between 0 and the outer angle",
             )
         }
@@ -291,8 +303,8 @@ fn camera(desc: &CameraDesc) -> Result<(), Fault> {
         Projection::Perspective { vertical_fov } => require(
             vertical_fov > 0.0 && vertical_fov < PI && (vertical_fov as f32).is_normal(),
             "the vertical field of view",
-            vertical_fov,
-            "it must lie between 0 and π radians, both excluded",
+            Angle(vertical_fov),
+            "it must lie between 0 and 180 degrees, both excluded",
         ),
         Projection::Orthographic { half_height } => require(
             half_height.is_finite() && half_height > 0.0,

@@ -110,6 +110,13 @@ fn meshes() {
         builder.mesh("light", vec![[0.0; 3], [1.0; 3], [2.0; 3]], vec![[0, 1, 2]], area_light);
     });
     names(&flat, &["'light'", "'glow'", "no area", "point light"]);
+    // That a light is far away is not the fault of the others.
+    let far = fault(|builder| {
+        let area_light = builder.material(MaterialDesc::emissive("glow", [0.5; 3], [1.0; 3]));
+        builder.mesh("light", vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]], area_light);
+        builder.light("star", LightDesc::Point { position: [1e30, 0.0, 0.0], intensity: [1.0; 3] });
+    });
+    names(&far, &["the distance of the farthest light", "times the extent", "directional light"]);
 }
 
 #[test]
@@ -125,7 +132,7 @@ fn lights() {
     names(&spot([0.0; 3], 0.1, 0.2), &["'sun'", "direction", "not be zero"]);
     names(&spot([f64::INFINITY; 3], 0.1, 0.2), &["'sun'", "direction", "inf"]);
     for outer in [0.0, -0.1, 1.6, 1e-6, f64::NAN] {
-        names(&spot(down, 0.0, outer), &["'sun'", "outer angle", &format!("{outer:?}"), "π/2"]);
+        names(&spot(down, 0.0, outer), &["'sun'", "outer angle", &format!("{outer:?}"), "90 degrees"]);
     }
     for inner in [-0.1, 0.3, f64::NAN] {
         names(&spot(down, inner, 0.2), &["'sun'", "inner angle", &format!("{inner:?}")]);
@@ -144,7 +151,7 @@ fn cameras() {
     for fov in [0.0, -1.0, std::f64::consts::PI, 7.0, f64::NAN] {
         names(
             &camera(look(origin, up, fov)),
-            &["camera 'eye'", "field of view", &format!("{fov:?}"), "between 0 and π"],
+            &["camera 'eye'", "field of view", &format!("{fov:?}"), "between 0 and 180 degrees"],
         );
     }
     names(&camera(look([0.0, 0.0, 5.0], up, 1.0)), &["'eye'", "direction"]);

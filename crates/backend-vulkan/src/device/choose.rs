@@ -172,7 +172,8 @@ pub(crate) fn choose(found: Vec<Candidate>, wanted: Option<&str>) -> photon_core
     let rejected = rejected.map(|c| (c.name.clone(), format!("lacks {}", c.lacks.join(", ")))).collect::<Vec<_>>();
     match wanted {
         Some(wanted) if rejected.is_empty() && !found.is_empty() => {
-            let known = found.iter().map(|candidate| format!("{}: {}", candidate.index, candidate.name)).collect();
+            let known =
+                found.iter().map(|candidate| format!("number {} is {}", candidate.index, candidate.name)).collect();
             Err(photon_core::Error::UnknownDevice { wanted: wanted.to_owned(), known })
         }
         _ => Err(photon_core::Error::NoDevice { rejected }),
@@ -234,8 +235,11 @@ mod tests {
     fn an_unknown_device_lists_those_there_are() {
         for wanted in ["7", "matrox"] {
             let text = choose(three(), Some(wanted)).map(drop).unwrap_err().to_string();
-            assert!(text.starts_with(&format!("there is no device '{wanted}'; there are 0: ")), "{text}");
-            assert!(three().iter().all(|known| text.contains(&format!("{}: {}", known.index, known.name))), "{text}");
+            assert!(text.starts_with(&format!("there is no device '{wanted}'; number 0 is ")), "{text}");
+            assert!(
+                three().iter().all(|known| text.contains(&format!("number {} is {}", known.index, known.name))),
+                "{text}"
+            );
         }
         let none = choose(Vec::new(), Some("7"));
         assert!(matches!(none, Err(photon_core::Error::NoDevice { rejected }) if rejected.is_empty()));

@@ -1,6 +1,7 @@
 //! Light that is scattered in media, as camera paths see it.
 
 use super::slot::BuiltMap;
+use super::small_pass::reduced;
 use super::{PILOT_PASS, Pipeline, QUERIES_PER_PIXEL};
 use crate::backend::stages::{BeamParams, EstimateBuffers, Pass};
 use crate::backend::{Stage, TransportBackend};
@@ -10,6 +11,9 @@ use crate::requirements::Requirements;
 use crate::requirements::features::Features;
 use crate::scene::layout::Estimate;
 use crate::scene::media::MediaFeatures;
+
+/// Pixels whose segments tell the radius.
+const PIXELS: f64 = 4096.0;
 
 /// Search radius of the first estimates of the pilot, normalised: a fiftieth of the scene.
 const FIRST_RADIUS: f32 = 0.02;
@@ -48,7 +52,8 @@ impl<B: TransportBackend> Pipeline<B> {
         };
         let Some(estimates) = &mut self.estimates else { return Ok(FIRST_RADIUS) };
         let pass = Pass::new(&self.settings, PILOT_PASS);
-        media.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, segments)?;
+        let view = reduced(self.view, PIXELS);
+        media.eye.trace_eye(&mut self.on, &self.scene, &view, pass, &mut self.film, segments)?;
         // Few photons are counted inaccurately, so that more are looked for.
         let looked_for = wanted.max(8.0);
         let mut radius = FIRST_RADIUS;

@@ -131,7 +131,7 @@ impl<B: TransportBackend> Pipeline<B> {
 }
 
 /// The view with at most so many pixels.
-fn reduced(whole: View, pixels: f64) -> View {
+pub(super) fn reduced(whole: View, pixels: f64) -> View {
     let part = (pixels / (f64::from(whole.width) * f64::from(whole.height))).sqrt().min(1.0);
     let side = |length: u32| ((f64::from(length) * part) as u32).clamp(1, pixels as u32);
     View { width: side(whole.width), height: side(whole.height), ..whole }

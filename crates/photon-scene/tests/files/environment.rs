@@ -86,7 +86,7 @@ fn override_files_set_the_environment() {
     assert!((radiance - 1.0).abs() < 1e-6, "{radiance}");
 
     let fault = |text: &str| message(scene(text));
-    names(&fault("[environment]\n"), &["over.toml", "empty", "file, radiance or sky"]);
+    names(&fault("[environment]\n"), &["over.toml", "has no light", "file, radiance or sky"]);
     names(&fault("[environment]\nradiance = 1\nfile = \"sky.hdr\"\n"), &["over.toml", "more than one"]);
     names(&fault("[environment]\nradience = 1\n"), &["over.toml, line 2", "radience", "'radiance'"]);
     names(&fault("[environment]\nfile = \"gone.exr\"\n"), &["gone.exr", "cannot read"]);

@@ -252,7 +252,7 @@ fn override_faults() {
         &["over.toml, line 3", "albedoo", "'albedo'", "docs/scene-files.md"],
     );
     names(&fault("[[light]]\n"), &["line 1", "light"]);
-    names(&fault("[materials.wal]\n"), &["'wal'", "'wall'", "'light'", "new = true"]);
+    names(&fault("[materials.wal]\n"), &["'wal'", "did you mean 'wall'?", "new = true"]);
     names(&fault("[materials.wall]\nnew = true\n"), &["'wall'", "is new"]);
     names(&fault("[materials.wall]\nior = 1.5\n"), &["'wall'", "lambert", "no ior"]);
     names(&fault("[materials.pane]\nkind = \"thin\"\nabsorption = 1\n"), &["'pane'", "thin", "no absorption"]);

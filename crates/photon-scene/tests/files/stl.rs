@@ -122,3 +122,36 @@ fn stl_faults() {
     let path = folder.file("a.stl", &whole);
     names(&message(load_builder_with(&path, None, &options)), &["a.stl: reading its triangles needs"]);
 }
+
+/// Bytes that were changed at random give an error or a scene, within little memory.
+#[test]
+fn damaged_stl_is_harmless() {
+    let folder = Folder::new("stl-damage");
+    let options = LoadOptions::default().with_memory(Some(1 << 20));
+    // A linear congruential generator.
+    let mut state = 1_u64;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    let (mut sound, mut refused) = (0, 0);
+    for round in 0..1000 {
+        let mut bytes = if round % 2 == 0 { text("a").into_bytes() } else { binary("solid a") };
+        for _ in 0..1 + next(4) {
+            let at = next(bytes.len());
+            match next(3) {
+                0 => bytes[at] = next(256) as u8,
+                1 => bytes.truncate(at.max(1)),
+                _ => bytes[at] ^= 1 << next(8),
+            }
+        }
+        match load_builder_with(&folder.file("a.stl", &bytes), None, &options).and_then(|(scene, _)| scene.build()) {
+            Ok(scene) => sound += usize::from(scene.view().triangles.len() <= 4),
+            Err(error) => {
+                refused +=
+                    usize::from(error.to_string().contains("a.stl: ") || error.to_string().contains("a.stl, line"))
+            }
+        }
+    }
+    assert!(sound + refused == 1000 && sound > 100 && refused > 100, "{sound} {refused}");
+}

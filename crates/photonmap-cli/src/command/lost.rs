@@ -27,7 +27,8 @@ pub(super) fn truncated(outcome: &Outcome, settings: &Settings, pixels: u64) -> 
     (seen.max(photons) > NEGLIGIBLE).then(|| {
         format!(
             "{:.2} % of the camera paths and {:.2} % of the light of photons ended in glass or between mirrors, after up to \
-             {} surfaces, and the light beyond is missing: raise --max-bounces, or give the glass an absorption",
+             {} surfaces, and the light beyond is missing: raise --max-bounces, close open solids, or give the \
+             glass an absorption",
             100.0 * seen,
             100.0 * photons,
             settings.max_bounces
@@ -70,7 +71,7 @@ mod tests {
         assert!(text.starts_with("0.00 % of the camera paths and 0.50 % of the light of photons"), "{text}");
         let text = warning(300, 0).unwrap();
         assert!(text.starts_with("3.00 % of the camera paths and 0.00 %") && text.contains("8 surfaces"), "{text}");
-        assert!(text.ends_with("raise --max-bounces, or give the glass an absorption"), "{text}");
+        assert!(text.ends_with("raise --max-bounces, close open solids, or give the glass an absorption"), "{text}");
         // Final-gather rays are counted with camera paths.
         let gather = Settings { indirect: Indirect::Gather, gather_rays: 99, ..settings };
         assert_eq!(truncated(&outcome(300, 0), &gather, 1000), None);

@@ -92,7 +92,7 @@ fn a_device_is_chosen_by_number_or_name() {
     }
     let output = render(&arguments, ("PHOTON_VK_DEVICE", Path::new("99")));
     assert_eq!(output.status.code(), Some(2), "{output:?}");
-    assert!(stderr(&output).contains("PHOTON_VK_DEVICE: there is no device '99'; there are 0: "), "{output:?}");
+    assert!(stderr(&output).contains("PHOTON_VK_DEVICE: there is no device '99'; number 0 is "), "{output:?}");
 }
 
 /// Two devices of one kind (the same one twice) make the picture of one, bit by bit, and the report names them.

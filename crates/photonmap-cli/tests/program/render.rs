@@ -236,7 +236,7 @@ fn cut_paths_are_told() {
         let output =
             render(&[all.as_slice(), &["--max-bounces", max_bounces, "-o", paths[0], "--json", paths[1]]].concat());
         let text = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(text.contains("light beyond is missing: raise --max-bounces, or"), cuts, "{text}");
+        assert_eq!(text.contains("light beyond is missing: raise --max-bounces"), cuts, "{text}");
         let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
         let count = |of: &serde_json::Value| of["counters"]["truncated_camera_paths"].as_u64().unwrap();
         assert_eq!(count(&report) > 0, cuts, "{report:#}");

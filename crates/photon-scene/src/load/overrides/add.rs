@@ -58,7 +58,7 @@ impl Overrides {
                 return Ok(None);
             }
             (None, None, None) => {
-                return Err(self.fault("[environment] is empty".to_owned(), "give it file, radiance or sky"));
+                return Err(self.fault("[environment] has no light".to_owned(), "give it file, radiance or sky"));
             }
             _ => {
                 let what = "[environment] has more than one of file, radiance and sky".to_owned();

@@ -63,6 +63,9 @@ pub(super) fn of(text: &str, error: &toml::de::Error) -> Message {
             return message(format!("{length} values are given in place of {}", meant(expected)), KEYS.to_owned());
         }
     }
+    if said.starts_with("string values must be quoted") {
+        return message("text must be in quotes, such as \"glass\"".to_owned(), "use straight quotes".to_owned());
+    }
     if let Some(expected) = said.strip_prefix("wanted ") {
         return message(format!("{} is expected", meant(expected)), KEYS.to_owned());
     }
@@ -215,7 +218,10 @@ mod tests {
     /// The parser's own messages on text that is not TOML.
     #[test]
     fn text_that_is_not_toml_has_its_line() {
-        for text in ["[materials.a]\nkind = glass", "[materials.a\n", "a b c", "[materials.a]\nior = 1.5.5"] {
+        for text in ["[materials.a]\nkind = glass", "[materials.a]\nkind = “glass”"] {
+            assert!(message(text).contains("line 2: text must be in quotes, such as \"glass\"; use straight"));
+        }
+        for text in ["[materials.a\n", "a b c", "[materials.a]\nior = 1.5.5"] {
             let found = message(text);
             assert!(found.starts_with("a.toml, line ") && found.contains("docs/scene-files.md"), "{found}");
         }

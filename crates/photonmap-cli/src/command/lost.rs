@@ -1,5 +1,6 @@
 //! Warnings about light that is missing from the picture.
 
+use photon_core::flight::MAX_COLLISIONS;
 use photon_core::{Indirect, MediumStack, Outcome, Settings, Tally};
 
 /// Share of the light that may be missing without a warning: a quarter of the step between two shades of a PNG.
@@ -23,11 +24,13 @@ pub(super) fn truncated(outcome: &Outcome, settings: &Settings, pixels: u64) -> 
     let gathered = if settings.indirect == Indirect::Gather { settings.gather_rays } else { 0 };
     let seen = pixels * u64::from(outcome.passes) * (u64::from(settings.camera_samples) + u64::from(gathered));
     let seen = outcome.truncated_camera_paths as f64 / seen.max(1) as f64;
-    let photons = photons(outcome);
+    // In fog without bounds most light goes away, on the few paths that were not thinned out; hardly any of it would return.
+    let is_endless = outcome.tally.terminated > 0;
+    let photons = if is_endless { 0.0 } else { photons(outcome) };
     (seen.max(photons) > NEGLIGIBLE).then(|| {
         format!(
-            "{:.2} % of the camera paths and {:.2} % of the light of photons ended in glass or between mirrors, after up to \
-             {} surfaces, and the light beyond is missing: raise --max-bounces, close open solids, or give the \
+            "{:.2} % of the camera paths and {:.2} % of the light of photons ended in glass, media or between mirrors, after \
+             up to {} surfaces or {MAX_COLLISIONS} collisions, and the light beyond is missing: raise --max-bounces, close open solids, or give the \
              glass an absorption",
             100.0 * seen,
             100.0 * photons,
@@ -76,5 +79,8 @@ mod tests {
         let gather = Settings { indirect: Indirect::Gather, gather_rays: 99, ..settings };
         assert_eq!(truncated(&outcome(300, 0), &gather, 1000), None);
         assert_eq!(truncated(&Outcome::default(), &gather, 0), None);
+        let mut endless = outcome(0, 50);
+        endless.tally.terminated = 1;
+        assert_eq!(truncated(&endless, &gather, 1000), None);
     }
 }

@@ -70,7 +70,7 @@ const BINARY: &[Row] = &[
     (b"Rar!\x1a\x07", None, "a RAR archive", "unpack it, and load a file in it"),
 ];
 
-/// As they are after white space and in lower case.
+/// First words of text, in lower case and without white space before them, and their kinds.
 #[rustfmt::skip]
 const TEXT: &[Row] = &[
     (b"<!doctype html", None, HTML.0, HTML.1),

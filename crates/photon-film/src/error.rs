@@ -28,7 +28,7 @@ pub enum FilmFileError {
     OtherKind {
         /// The file.
         path: PathBuf,
-        /// What it is, and the remedy.
+        /// The kind that it is of, with the remedy.
         kind: photon_core::FileKind,
     },
     /// A later version of this library wrote the file.

@@ -265,7 +265,7 @@ pub enum SceneError {
     OtherKind {
         /// Path of the file.
         path: PathBuf,
-        /// What it is, and the remedy.
+        /// The kind that it is of, with the remedy.
         kind: FileKind,
     },
     /// A file needs more memory than [`LoadOptions::memory`](crate::LoadOptions::memory) allows.

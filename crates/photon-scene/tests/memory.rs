@@ -464,8 +464,7 @@ fn dense_text_and_binary_files_are_counted() {
     let values = "0,".repeat(100_000) + "0";
     let nodes = "{},".repeat(20_000) + "{}";
     let facet = "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 0 1 vertex 0 1 0 endloop endfacet ";
-    let mut stl = vec![b' '; 80];
-    stl.extend(4000_u32.to_le_bytes());
+    let mut stl = [&[b' '; 80][..], &4000_u32.to_le_bytes()].concat();
     stl.extend((0..4000 * 25_u32).flat_map(|at| [at as u8, 60]));
     let files = [
         folder.write("text.stl", format!("solid a\n{}endsolid", facet.repeat(4000))),

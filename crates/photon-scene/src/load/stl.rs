@@ -22,7 +22,7 @@ const TRIANGLE: u64 = 3 * (24 + 4 + 4 + 24 + 4);
 
 const AGAIN: &str = "it is truncated or damaged; copy or export it again";
 
-/// What is wrong, and its line or 0.
+/// A fault, and its line or 0.
 type Fault = (String, u64);
 
 /// Reads the triangles of an STL file, text or binary; its content determines which.
@@ -36,7 +36,7 @@ pub fn load_stl(path: &Path) -> Result<(SceneBuilder, LoadReport), SceneError> {
     load_within(path, &Budget::unlimited())
 }
 
-/// As [`load_stl`], within a limit on memory.
+/// [`load_stl`] within a limit on memory.
 pub(super) fn load_within(path: &Path, budget: &Budget) -> Result<(SceneBuilder, LoadReport), SceneError> {
     let bytes = read_within(path, budget, 1)?;
     // The header of a binary file can begin as a file of another kind.

@@ -310,10 +310,8 @@ fn override_faults() {
         names(&fault(&format!("[materials.wall]\n{key} = 1.5\n")), &["'wall'", key, "between 0 and 1"]);
     }
     names(&fault("[materials.wall]\nkind = \"glossy\"\ntint = 1\n"), &["'wall'", "glossy", "no tint"]);
-    names(
-        &fault("[materials.wall]\nkind = \"glossy\"\nmetallic = \"x\"\n"),
-        &["line 3", "x is given in place of a number"],
-    );
+    let text = "[materials.wall]\nkind = \"glossy\"\nmetallic = \"x\"\n";
+    names(&fault(text), &["line 3", "x is given in place of a number"]);
     names(&fault("[materials.wall]\nkind = \"glas\"\n"), &["line 2", "glas", "'glass'"]);
     names(&fault("[materials.wall]\nalbedo = [1, 2]\n"), &["line 2", "three numbers"]);
     names(&fault("[materials.wall]\nalbedo = 2\n"), &["'wall'", "albedo", "2.0"]);

@@ -75,7 +75,7 @@ pub(super) fn of(text: &str, error: &toml::de::Error) -> Message {
     message(said, KEYS.to_owned())
 }
 
-/// What is unknown, its name, and the known names.
+/// The kind of thing that is unknown, its name, and the known names.
 fn unknown(said: &str) -> Option<(&'static str, &str, Vec<&str>)> {
     let kinds = [("unknown field `", "key"), ("unknown variant `", "value")];
     let (rest, kind) = kinds.iter().find_map(|(start, kind)| Some((said.strip_prefix(start)?, *kind)))?;
@@ -87,7 +87,7 @@ fn found_length(said: &str) -> Option<&str> {
     Some(said.strip_prefix("invalid length ")?.split_once(',')?.0)
 }
 
-/// What the parser found, as the text has it.
+/// The value that the parser found, as the text has it.
 fn shown(found: &str) -> String {
     match found {
         "map" => "a table".to_owned(),
@@ -96,7 +96,7 @@ fn shown(found: &str) -> String {
     }
 }
 
-/// What the parser expects.
+/// A description of the value that the parser expects.
 fn meant(expected: &str) -> String {
     match expected {
         "f64" => "a number".to_owned(),

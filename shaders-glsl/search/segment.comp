@@ -18,6 +18,9 @@ layout(constant_id = 4) const uint KERNEL = 0;
 layout(constant_id = 5) const uint MEDIA = 4;
 layout(constant_id = 6) const uint ERROR_MOMENTS = 0;
 
+// Walks through grids are loops too, which `turns` has to count.
+#define GRID_TURNS
+
 #include "shading/constants.glsl"
 #include "shading/kernel.glsl"
 #include "shading/stretches.glsl"
@@ -96,7 +99,11 @@ void visit(uint mode, uvec2 firsts) {
         if (ERROR_MOMENTS != 0) error_moments_eight_begin();
         if (GRIDS) {
             // Not unrolled, since each walks through a grid.
-            for (uint k = 0; k < 8; ++k) add(place + k, sum);
+            for (uint k = 0; k < 8; ++k) {
+                grid_turns = 0u;
+                add(place + k, sum);
+                if (TURNS != 0) turns += 1 + subgroupMax(grid_turns);
+            }
         } else {
             EIGHT(ADD, place);
         }
@@ -187,6 +194,8 @@ void main() {
         if (push.points > 0 && is_positive_finite(squared_radius)) limit = floatBitsToUint(reach) + 1;
         if (ERROR_MOMENTS != 0) error_moments_begin(direction, squared_radius, squared_radius);
     }
+    // Those of the columns, of which lanes may make more in different parts.
+    if (GRIDS && TURNS != 0) turns += GRID_KNOTS + subgroupAdd(grid_turns);
     if (resumed) query_keep();
     walk(0);
     if (paused) {

@@ -127,6 +127,11 @@ float grid_part_share(vec4 low, vec4 high, vec3 from, vec3 to, float far, float 
     return share;
 }
 
+#ifdef GRID_TURNS
+// Number of iterations of walks so far.
+uint grid_turns = 0u;
+#endif
+
 // Goes along a line through the cells and bricks from one distance to another, until the column is `limit`: the column, and
 // the distance there.
 vec2 grid_walk(GridTables tables, Grid grid, GridLine line, float from, float to, float limit) {
@@ -144,6 +149,9 @@ vec2 grid_walk(GridTables tables, Grid grid, GridLine line, float from, float to
     // Rounding may repeat a cell beside a brick that is crossed in one step.
     uint most = 2u * (grid.cells.x + grid.cells.y + grid.cells.z) + 16u;
     for (uint i = 0u; i < most; i++) {
+#ifdef GRID_TURNS
+        ++grid_turns;
+#endif
         uint brick = grid_brick(tables, grid, cell);
         bool is_even = grid_is_even(brick);
         int width = is_even ? int(GRID_BRICK) : 1;

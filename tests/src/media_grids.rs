@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use photon_core::{Direct, Indirect, Layer, PassEnd, Pipeline, Render as _, Settings, Tally, View};
-use photon_scene::{CameraDesc, GridDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, shapes};
+use photon_scene::{CameraDesc, GridDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, shapes};
 
 use crate::harness::{TestBackend, direct_settings};
+use crate::media::cases;
 use crate::stats::{assert_agrees, moments, standard_error};
 
 fn camera(builder: &mut SceneBuilder, position: [f64; 3], direction: [f64; 3], half_height: f64) {
@@ -14,9 +15,14 @@ fn camera(builder: &mut SceneBuilder, position: [f64; 3], direction: [f64; 3], h
 }
 
 /// A box with this medium at density 1, and densities.
-fn add_box(builder: &mut SceneBuilder, [low, high]: [[f64; 3]; 2], coefficients: [f64; 2], grid: Option<GridDesc>) {
+fn add_box(builder: &mut SceneBuilder, bounds: [[f64; 3]; 2], coefficients: [f64; 2], grid: Option<GridDesc>) {
     let [scattering, absorption] = coefficients.map(|coefficient| [coefficient; 3]);
-    let mut desc = MaterialDesc::boundary("body", absorption).with_scattering(scattering, 0.0);
+    let boundary = MaterialDesc::boundary("body", absorption).with_scattering(scattering, 0.0);
+    add_body(builder, bounds, boundary, grid);
+}
+
+/// A box of this material.
+fn add_body(builder: &mut SceneBuilder, [low, high]: [[f64; 3]; 2], mut desc: MaterialDesc, grid: Option<GridDesc>) {
     desc.grid = grid;
     let material = builder.material(desc);
     let (positions, triangles) = shapes::cuboid(low, high);
@@ -123,16 +129,19 @@ pub fn clouds_in_even_light<T: TestBackend>() {
     assert_mean("cloud in even light", &found, 1.0, 1e-2);
 }
 
-/// An even grid of half the density, scaled twice, is the homogeneous medium: the same pictures but for rounding, and the same
-/// paths; another density is not.
+/// An even grid of half the density, scaled twice, is the homogeneous medium, behind a boundary and in a solid: the same paths,
+/// and the same pictures but for rounding; another density is not. Light that enters a solid leaves so many photons that searches
+/// along segments pause on devices that end long loops.
 pub fn even_grids_are_homogeneous<T: TestBackend>() {
     let bounds = [[-0.8; 3], [0.8; 3]];
-    let render = |grid: Option<GridDesc>| {
+    let clear = Surface::Dielectric { ior: 1.0, absorption: [0.2; 3], tint: [1.0; 3], roughness: 0.0 };
+    let bodies = [MaterialDesc::boundary("body", [0.2; 3]), MaterialDesc::new("body", clear)];
+    let render = |body: &MaterialDesc, grid: Option<GridDesc>| {
         let mut builder = SceneBuilder::new();
         let grey = builder.material(MaterialDesc::lambert("floor", [0.5; 3]));
         builder.quad("floor", [[-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0], [-2.0, -1.0, -2.0]], grey);
         builder.light("point", LightDesc::Point { position: [0.3, 2.0, 0.4], intensity: [1.0; 3] });
-        add_box(&mut builder, bounds, [1.0, 0.2], grid);
+        add_body(&mut builder, bounds, body.clone().with_scattering([1.0; 3], 0.0), grid);
         camera(&mut builder, [-3.0, 0.1, 0.2], [1.0, 0.0, 0.0], 1.0);
         let indirect = Indirect::Map;
         let settings = Settings { photons: 20_000, caustics: true, indirect, ..direct_settings(Direct::Nee, 0.1) };
@@ -143,10 +152,13 @@ pub fn even_grids_are_homogeneous<T: TestBackend>() {
         // Beyond the body, whose faces round differently.
         Some(grid.with_box([-1.0; 3], [1.0; 3]).with_density_scale(2.0))
     };
-    let ((homogeneous, plain), (gridded, with_grid)) = (render(None), render(even(0.5)));
-    // Rounding lets single paths, of 5000, collide or not.
-    assert!((gridded[0] / homogeneous[0] - 1.0).abs() < 1e-2, "{gridded:?} {homogeneous:?}");
-    assert!(plain.surfaces.abs_diff(with_grid.surfaces) <= plain.surfaces / 1000, "{plain:?} {with_grid:?}");
-    let (denser, _) = render(even(0.8));
-    assert!((denser[0] / homogeneous[0] - 1.0).abs() > 1e-2, "{denser:?}");
+    for body in cases::<T, _>(&bodies) {
+        let ((homogeneous, plain), (gridded, with_grid)) = (render(body, None), render(body, even(0.5)));
+        // In 40 passes columns, rounded sums, changed no picture by more than 6e-8, and the way of none of 800,000 paths.
+        assert!((gridded[0] / homogeneous[0] - 1.0).abs() < 1e-6, "{gridded:?} {homogeneous:?}");
+        let ends = |tally: Tally| [tally.absorbed, tally.escaped, tally.truncated, tally.surfaces];
+        assert_eq!(ends(plain), ends(with_grid));
+        let (thinner, _) = render(body, even(0.25));
+        assert!((thinner[0] / homogeneous[0] - 1.0).abs() > 0.1, "{thinner:?} {homogeneous:?}");
+    }
 }

@@ -5,7 +5,7 @@ use std::f32::consts::SQRT_2;
 use photon_core::glam::Vec3;
 use photon_core::phase::Phase;
 use photon_core::{
-    BeamEstimator, BeamParams, ErrorMoments, Estimate, EstimateBuffers, Query, Result, Segment, math, sampling,
+    BeamEstimator, BeamParams, ErrorMoments, Estimate, EstimateBuffers, Query, Result, Segment, flight, sampling,
 };
 use rayon::prelude::*;
 
@@ -100,9 +100,9 @@ impl Photons<'_> {
         let segment = Segment::of(query);
         let Segment { origin, direction, length, .. } = segment;
         let (index, medium) = scene.medium(segment.media);
-        let (extinction, phase) = (medium.extinction(), Phase::of(medium));
+        let phase = Phase::of(medium);
         // In dense media photons are closer together than a mean free path, or are noise.
-        let radius = (params.radius * query.radius).min(0.5 / extinction.max_element());
+        let radius = (params.radius * query.radius).min(0.5 / medium.extinction().max_element());
         let squared = radius * radius;
         let mut estimate = Estimate { radius_squared: squared, ..Estimate::default() };
         let mut sum = [0.0_f64; 3];
@@ -114,8 +114,7 @@ impl Photons<'_> {
             if !map.has_medium(slot, index) || !segment.contains(from_origin) {
                 return;
             }
-            let depth = extinction * column(t);
-            let transmittance = Vec3::from(depth.to_array().map(math::exp_neg));
+            let transmittance = flight::transmittance(medium, column(t));
             let power = powers[slot as usize] * phase.value(map.direction(slot), direction) * transmittance;
             let u = d2 / squared;
             if !MOMENTS || (d2 <= squared && (-8.0 * radius..=length + 8.0 * radius).contains(&t)) {

@@ -30,6 +30,9 @@ use crate::vulkan::Vulkan;
 
 /// Rounds between two checks whether any path is still active.
 const LOOK: u32 = 4;
+/// Maximum of [`TracePlan::surfaces`] where media have grids, on devices that end long loops: walks through grids are loops too,
+/// each as long as there are cells along a ray.
+const SURFACES_IN_GRIDS: u32 = 4;
 /// Invocations per workgroup of all kernels except the tracing kernel.
 const GROUP: u32 = 128;
 /// Maximum number of paths in a chunk: enough to keep a GPU busy; it bounds the duration of a dispatch. If a
@@ -84,6 +87,13 @@ impl VulkanTracer {
             emitted: 0,
         })
     }
+}
+
+/// Maximum number of surfaces and collisions of a path in one dispatch.
+fn surfaces(on: &Vulkan, scene: &SceneKind) -> u32 {
+    let walks_grids = on.limits().loop_turns > 0 && scene.media.contains(MediaFeatures::GRIDS);
+    let most = on.trace_plan.surfaces;
+    if walks_grids { most.min(SURFACES_IN_GRIDS) } else { most }
 }
 
 impl PhotonPaths {
@@ -170,7 +180,7 @@ impl Tracer<Vulkan> for VulkanTracer {
             let chunk = self.longest.min(count - first);
             let targets = deposits.each_ref().map(Option::as_deref);
             let places = on.trace_plan.places.min(self.most(&targets, chunk));
-            self.scratch(on, chunk, places, self.events(&scene.kind))?;
+            self.scratch(on, chunk, places, &scene.kind)?;
             if self.chunk(on, scene, batch, rays, &mut deposits, first, chunk)? {
                 first += chunk;
             }
@@ -242,7 +252,7 @@ impl VulkanTracer {
                 self.longest = (count * scratch.places / stored * 7 / 8).max(SHORTEST);
                 return Ok(false);
             }
-            self.scratch(on, count, stored + stored / 8, self.events(&scene.kind))?;
+            self.scratch(on, count, stored + stored / 8, &scene.kind)?;
         }
         self.arrange(on, rays, targets, first, count)?;
         Ok(true)
@@ -287,7 +297,8 @@ impl VulkanTracer {
         let quota = count.div_ceil(threads) as u32 * if self.paths.scheduling == Scheduling::Dynamic { 2 } else { 1 };
         let round = |number: u32| scratch.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
         let list = |number: u32| scratch.waiting.address() + u64::from(number % 2) * scratch.paths * 4;
-        let rounds = self.events(&scene.kind).div_ceil(plan.surfaces);
+        let surfaces = surfaces(on, &scene.kind);
+        let rounds = self.events(&scene.kind).div_ceil(surfaces);
         for number in 0..rounds {
             if number > 0 {
                 // The counters that the next round will use are those of the previous one.
@@ -305,7 +316,7 @@ impl VulkanTracer {
                 waiting: list(number),
                 left: list(number + 1),
                 quota,
-                surfaces: plan.surfaces,
+                surfaces,
                 begins: u32::from(number == 0),
                 places: scratch.places as u32,
                 max_bounces: self.max_bounces,

@@ -52,6 +52,8 @@ impl Phase {
     #[must_use]
     pub fn value(self, from: Vec3, to: Vec3) -> f32 {
         match self {
+            // The same bits, sooner.
+            Self::HenyeyGreenstein(0.0) => 0.25 * FRAC_1_PI,
             Self::HenyeyGreenstein(g) => henyey_greenstein(g.abs(), sampling::versine(mirrored(g, from), to)),
             Self::Rayleigh => {
                 let cosine = from.dot(to);

@@ -2,9 +2,10 @@
 
 use photon_core::{MapKind, Photon, Result};
 
-use super::VulkanTracer;
 use super::push::Chunk;
+use super::{VulkanTracer, surfaces};
 use crate::device::Memory;
+use crate::scene::SceneKind;
 use crate::vulkan::Vulkan;
 
 /// Scratch buffers for one chunk.
@@ -36,14 +37,13 @@ pub(super) const MAPS: usize = MapKind::COUNT;
 const STATE: u64 = (4 * (13 + MAPS as u64)).next_multiple_of(16);
 
 impl VulkanTracer {
-    /// Allocates scratch buffers for chunks of `paths` paths of at most `events` surfaces and collisions each, and `places`
-    /// photons.
-    pub(super) fn scratch(&mut self, on: &mut Vulkan, paths: u64, places: u64, events: u32) -> Result<()> {
+    /// Allocates scratch buffers for chunks of `paths` paths in this kind of scene, and `places` photons.
+    pub(super) fn scratch(&mut self, on: &mut Vulkan, paths: u64, places: u64, scene: &SceneKind) -> Result<()> {
         if self.scratch.as_ref().is_some_and(|scratch| scratch.paths >= paths && scratch.places >= places) {
             return Ok(());
         }
         self.scratch = None;
-        let long = events > on.trace_plan.surfaces;
+        let long = self.events(scene) > surfaces(on, scene);
         let scratch = TraceScratch {
             paths,
             places,

@@ -49,6 +49,10 @@ fn densities_integrate_to_one() {
             assert_eq!(phase.value(to, Vec3::Y).to_bits(), phase.value(Vec3::Y, to).to_bits());
         }
     }
+    for versine in [0.0, 0.1, 1.0, 1.7, 2.0] {
+        let even = Phase::HenyeyGreenstein(0.0).value(Vec3::X, Vec3::Y);
+        assert_eq!(henyey_greenstein(0.0, versine).to_bits(), even.to_bits());
+    }
     // Jendersie and d'Eon's parameters, evaluated by an independent program.
     for (diameter, mean) in [(5.0, 0.843_424_1), (10.0, 0.864_163_7), (20.0, 0.879_310_4), (50.0, 0.891_193_6)] {
         let found = Phase::Mie(Mie::droplets(diameter)).mean_cosine();

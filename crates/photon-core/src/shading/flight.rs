@@ -122,9 +122,9 @@ pub fn deposit(medium: &Medium, power: Vec3, end: f32, count: u32, [u, v]: [f32;
 /// Russian roulette at a collision at `position`, in a medium without bounds: the power with which a path that started with
 /// `start` goes on, or `None`. `u` decides.
 ///
-/// At a distance d > 1, paths of d^(3/2) times the power that they started with go on. The mean stays the same, whatever the
-/// exponent k. A random walk returns to the unit sphere with probability 1/d: with k ≤ 1 those that do are infinitely long in the
-/// mean, with k ≥ 2 the variance of what they bring is infinite.
+/// At a distance d > 1, a path that goes on has at least d^(3/2) times the power that it started with. The mean is the same for
+/// any exponent k. A random walk returns to the unit sphere with probability 1/d: for k ≤ 1 the walks that do are infinitely long
+/// in the mean, for k ≥ 2 the variance of the light that they bring back is infinite.
 #[inline]
 #[must_use]
 pub fn thinned(power: Vec3, start: Vec3, position: Vec3, u: f32) -> Option<Vec3> {

@@ -256,8 +256,9 @@ fn override_faults() {
     names(&fault("[materials.wall]\nnew = true\n"), &["'wall'", "is new"]);
     names(&fault("[materials.wall]\nior = 1.5\n"), &["'wall'", "lambert", "no ior"]);
     names(&fault("[materials.pane]\nkind = \"thin\"\nabsorption = 1\n"), &["'pane'", "thin", "no absorption"]);
-    for key in ["metallic", "roughness", "specular"] {
-        names(&fault(&format!("[materials.wall]\n{key} = 0.5\n")), &["'wall'", "lambert", key, "glossy has albedo"]);
+    let many = "glass, thin and glossy have it";
+    for (key, kinds) in [("metallic", "glossy has it"), ("roughness", many), ("specular", "glossy has it")] {
+        names(&fault(&format!("[materials.wall]\n{key} = 0.5\n")), &["'wall'", "lambert", key, kinds]);
         for value in ["-0.1", "1.1", "nan"] {
             let text = format!("[materials.wall]\nkind = \"glossy\"\n{key} = {value}\n");
             let shown = if value == "nan" { "NaN" } else { value };

@@ -68,7 +68,9 @@ impl From<photonmap::Error> for Failure {
         use photonmap::Error as E;
         let kind = match error {
             E::OutOfMemory { .. } | E::AllocationTooLarge { .. } => Kind::Memory,
-            E::NoDevice { .. } | E::UnknownDevice { .. } | E::DeviceLost | E::Cancelled | E::Backend { .. } => Kind::Device,
+            E::NoDevice { .. } | E::UnknownDevice { .. } | E::DeviceLost | E::Cancelled | E::Backend { .. } => {
+                Kind::Device
+            }
             _ => Kind::Input,
         };
         Self::new(kind, chain(&error))

@@ -304,7 +304,7 @@ fn decided_settings_can_be_given() {
         (channels(&exr), report, stderr(&output))
     };
     // Radii per pixel and more shadow rays; a preset, with what is given.
-    for (scene, asked) in [("ring", &["--time", "1"][..]), ("cornell", &["--preset", "balanced", "--area", "disc"])] {
+    for (scene, asked) in [("ring", &["--time", "3"][..]), ("cornell", &["--preset", "balanced", "--area", "disc"])] {
         let (found, report, said) = picture(scene, "decided", asked);
         let options = report["decided"]["options"].as_str().unwrap();
         assert!(said.contains(options.split_once(" --passes").unwrap().0), "{said}");

@@ -52,7 +52,7 @@ impl Phase {
     #[must_use]
     pub fn value(self, from: Vec3, to: Vec3) -> f32 {
         match self {
-            // The same bits, sooner.
+            // Equal to the bit, and sooner.
             Self::HenyeyGreenstein(0.0) => 0.25 * FRAC_1_PI,
             Self::HenyeyGreenstein(g) => henyey_greenstein(g.abs(), sampling::versine(mirrored(g, from), to)),
             Self::Rayleigh => {

@@ -64,7 +64,7 @@ mod tests {
         outcome
     }
 
-    /// What is far below the noise is no warning; the rest is in per cent, with what to do.
+    /// Light far below the noise is no warning; the rest is in per cent, with a remedy.
     #[test]
     fn only_light_that_counts_is_a_warning() {
         let settings = Settings { max_bounces: 8, ..Settings::default() };

@@ -24,14 +24,25 @@ pub(super) fn truncated(outcome: &Outcome, settings: &Settings, pixels: u64) -> 
     let gathered = if settings.indirect == Indirect::Gather { settings.gather_rays } else { 0 };
     let seen = pixels * u64::from(outcome.passes) * (u64::from(settings.camera_samples) + u64::from(gathered));
     let seen = outcome.truncated_camera_paths as f64 / seen.max(1) as f64;
-    // In fog without bounds most light goes away, on the few paths that were not thinned out; hardly any of it would return.
+    // Paths are thinned out in fog without bounds alone. Most of their light goes away, so that its share says little.
     let is_endless = outcome.tally.terminated > 0;
+    let walks = outcome.tally.truncated as f64 / outcome.tally.emitted.max(1) as f64;
+    if is_endless && walks.max(seen) > NEGLIGIBLE {
+        return Some(format!(
+            "{:.2} % of the camera paths and {:.2} % of the photon paths ended after up to {} surfaces or {MAX_COLLISIONS} \
+             collisions; in fog without bounds, the light that would come back from there is missing, some per cent where the \
+             fog is dense: give [medium] a box, or absorption",
+            100.0 * seen,
+            100.0 * walks,
+            settings.max_bounces
+        ));
+    }
     let photons = if is_endless { 0.0 } else { photons(outcome) };
     (seen.max(photons) > NEGLIGIBLE).then(|| {
         format!(
             "{:.2} % of the camera paths and {:.2} % of the light of photons ended in glass, media or between mirrors, after \
-             up to {} surfaces or {MAX_COLLISIONS} collisions, and the light beyond is missing: raise --max-bounces, close open solids, or give the \
-             glass an absorption",
+             up to {} surfaces or {MAX_COLLISIONS} collisions, and the light beyond is missing: raise --max-bounces, \
+             close open solids, or give the glass an absorption",
             100.0 * seen,
             100.0 * photons,
             settings.max_bounces
@@ -81,6 +92,10 @@ mod tests {
         assert_eq!(truncated(&Outcome::default(), &gather, 0), None);
         let mut endless = outcome(0, 50);
         endless.tally.terminated = 1;
+        // Few paths carry much light away.
         assert_eq!(truncated(&endless, &gather, 1000), None);
+        endless.tally.truncated = 20;
+        let text = truncated(&endless, &gather, 1000).unwrap();
+        assert!(text.contains("0.20 % of the photon paths") && text.contains("give [medium] a box"), "{text}");
     }
 }

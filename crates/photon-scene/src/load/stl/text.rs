@@ -1,4 +1,4 @@
-//! STL as text: `solid`, facets of three vertices, `endsolid`.
+//! STL as text: `solid`, triangles, `endsolid`.
 
 use super::Fault;
 use super::corners::Corners;
@@ -39,7 +39,7 @@ pub(super) fn read(bytes: &[u8], most: usize) -> Result<Corners, Fault> {
         if word.eq_ignore_ascii_case(b"facet") && is_in {
             let triangle = corners.list.len() / 3;
             let [normal, a, b, c] =
-                facet(&mut words).map_err(|what| (format!("triangle {triangle}: {what}"), words.line))?;
+                triangle_of(&mut words).map_err(|what| (format!("triangle {triangle}: {what}"), words.line))?;
             corners.add(normal, [a, b, c]);
         } else if word.eq_ignore_ascii_case(b"endsolid") && is_in {
             words.rest_of_line();
@@ -59,7 +59,7 @@ pub(super) fn read(bytes: &[u8], most: usize) -> Result<Corners, Fault> {
 }
 
 /// The normal and the corners of a triangle, behind the word `facet`.
-fn facet(words: &mut Words<'_>) -> Result<[[f64; 3]; 4], String> {
+fn triangle_of(words: &mut Words<'_>) -> Result<[[f64; 3]; 4], String> {
     words.expect("normal")?;
     let normal = words.numbers()?;
     words.expect("outer")?;

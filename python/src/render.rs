@@ -71,8 +71,8 @@ impl Renderer {
         observer: Option<Py<PyAny>>,
     ) -> PyResult<(Option<RawFilm>, Option<Py<PyAny>>)> {
         let time = seconds.map(|seconds| {
-            let time = Duration::try_from_secs_f64(seconds);
-            time.map_err(|_| Failure::input(format!("time is {seconds}, but must be at least 0 and finite")))
+            let time = Duration::try_from_secs_f64(seconds).ok().filter(|_| seconds > 0.0);
+            time.ok_or_else(|| Failure::input(format!("time is {seconds}, but must be above 0 and finite")))
         });
         let time = time.transpose()?;
         let until = match (error, passes, time) {

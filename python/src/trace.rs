@@ -86,7 +86,7 @@ fn all<B: TransportBackend>(mut on: B, scene: &Scene, settings: &Settings) -> Re
     let mut rays = on.alloc::<PhotonRay>("photon rays", step.into())?;
     let mut capacity = PerMap::from_fn(|_| 4 * u64::from(step));
     let mut found = PerMap::from_fn(|_| Vec::new());
-    let pass = Pass { seed: settings.seed, index: 0, random: settings.random, sample: 0 };
+    let pass = Pass { seed: settings.seed, index: 0, random: settings.random, sample: 0, samples: 1 };
     let mut first = 0;
     while first < settings.photons {
         let end = first.saturating_add(step).min(settings.photons);

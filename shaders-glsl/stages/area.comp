@@ -1,5 +1,5 @@
 // Divides estimates by the fraction of their disc that lies on the surface. Twin of backend-cpu's area.rs, with
-// the same random numbers. One invocation per query.
+// the same random numbers. One invocation per query and spoke.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -67,13 +67,17 @@ bool opaque(Ray ray, out Surface found) {
     return false;
 }
 
-void main() {
-    uint i = push.start + thread();
-    if (i >= min(push.count.needed, push.count.capacity)) return;
-    if ((SECOND != 0 ? push.error_moments[i].at.photons : push.estimates[i].at.photons) == 0) return;
-    float squared = push.estimates[i].at.radius_squared;
-    float radius = sqrt(squared);
-    if (!(radius >= AREA_MIN_RADIUS)) return;
+// Height above query `i` from which probes start: half that of a ceiling, if it is low.
+float height_over(uint i, float radius) {
+    vec3 normal = push.queries[i].at.normal;
+    Surface at;
+    float height = AREA_HEIGHT * radius;
+    return opaque(Ray(off_surface(push.queries[i].at.position, normal), normal, height), at) ? 0.5 * at.t : height;
+}
+
+// Weights of the probes of one spoke of query `i`: of those on the surface, and of all, for the first radius, √2 of it and
+// 1/√2 of it.
+void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 found, inout vec3 all) {
     vec3 normal = push.queries[i].at.normal;
     vec3 tangent, bitangent;
     sampling_basis(normal, tangent, bitangent);
@@ -82,50 +86,71 @@ void main() {
     if (REFLECTIONS && (FEATURES & FEATURE_ANISOTROPY) != 0u && key >> 31 != 0u) key = push.queries[i].at.pixel;
     uvec4 words = philox4x32(uvec4(key, 0u, push.pass, DOMAIN_AREA), push.seed);
     float turn = unit_f32(words.x), shift = unit_f32(words.y);
-    vec3 from = off_surface(push.queries[i].at.position, normal);
+    vec3 apex = off_surface(push.queries[i].at.position, normal) + normal * height;
     Surface at;
-    // Below a ceiling, probes start at half its height.
-    float height = AREA_HEIGHT * radius;
-    if (opaque(Ray(from, normal, height), at)) height = 0.5 * at.t;
-    vec3 apex = from + normal * height;
     float far = SECOND != 0 ? 1.41421356 * radius : radius;
-    // For the first radius, √2 of it and 1/√2 of it.
-    vec3 found = vec3(0.0), all = vec3(0.0);
-    for (uint spoke = 0; spoke < AREA_SPOKES; spoke++) {
-        vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
-        vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
-        float free = opaque(Ray(apex, direction, far), at) ? at.t : far;
-        // From the outermost probe inwards: if it lies on the surface and nothing is in the way, so do all
-        // inner ones.
-        bool whole = false;
-        for (uint left = AREA_RINGS + SECOND; left > 0; left--) {
-            uint ring = left - 1;
-            bool outer = ring == AREA_RINGS;
-            float distance = outer ? area_outer_distance(spoke, shift) : area_probe(KERNEL, spoke, ring, shift);
-            vec3 weights = vec3(outer ? 0.0 : 1.0, 0.0, 0.0);
-            if (SECOND != 0) weights.yz = area_second_weights(KERNEL, distance);
-            all += weights;
-            if (whole) {
-                found += weights;
-                continue;
-            }
-            float away = distance * radius;
-            if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
-            Material material = push.scene.materials[at.material].at;
-            bool keeps = REFLECTIONS ? material.kind == MATERIAL_GLOSSY : material_stores_photons(material);
-            if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
-            if (FLAT != 0) {
-                float off = abs(dot3(at.point - push.queries[i].at.position, normal));
-                vec3 most = push.max_plane_distance * (vec3(1.0, 1.41421356, 0.70710678) * radius);
-                weights *= vec3(lessThanEqual(vec3(off), most));
-                if (weights == vec3(0.0)) continue;
-            }
-            // Behind an occluder, the point may be inside a solid, where no photon is stored.
-            if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
+    vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
+    vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
+    float free = opaque(Ray(apex, direction, far), at) ? at.t : far;
+    // From the outermost probe inwards: if it lies on the surface and nothing is in the way, so do all inner ones.
+    bool whole = false;
+    for (uint left = AREA_RINGS + SECOND; left > 0; left--) {
+        uint ring = left - 1;
+        bool outer = ring == AREA_RINGS;
+        float distance = outer ? area_outer_distance(spoke, shift) : area_probe(KERNEL, spoke, ring, shift);
+        vec3 weights = vec3(outer ? 0.0 : 1.0, 0.0, 0.0);
+        if (SECOND != 0) weights.yz = area_second_weights(KERNEL, distance);
+        all += weights;
+        if (whole) {
             found += weights;
-            // The outer probe is skipped if no error moments are computed, and the image must not depend on it.
-            whole = ring < AREA_RINGS && FLAT == 0 && away <= free;
+            continue;
         }
+        float away = distance * radius;
+        if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
+        Material material = push.scene.materials[at.material].at;
+        bool keeps = REFLECTIONS ? material.kind == MATERIAL_GLOSSY : material_stores_photons(material);
+        if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
+        if (FLAT != 0) {
+            float off = abs(dot3(at.point - push.queries[i].at.position, normal));
+            vec3 most = push.max_plane_distance * (vec3(1.0, 1.41421356, 0.70710678) * radius);
+            weights *= vec3(lessThanEqual(vec3(off), most));
+            if (weights == vec3(0.0)) continue;
+        }
+        // Behind an occluder, the point may be inside a solid, where no photon is stored.
+        if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
+        found += weights;
+        // The outer probe is skipped if no error moments are computed, and the image must not depend on it.
+        whole = ring < AREA_RINGS && FLAT == 0 && away <= free;
+    }
+}
+
+// Sums of each spoke of the workgroup's queries. The size of a workgroup is a multiple of the number of spokes.
+shared vec3 found_by[128];
+shared vec3 all_by[128];
+shared float heights[128 / AREA_SPOKES];
+
+void main() {
+    uint i = push.start + thread() / AREA_SPOKES;
+    uint spoke = thread() % AREA_SPOKES;
+    float squared = 0.0;
+    if (i < min(push.count.needed, push.count.capacity)) {
+        uint photons = SECOND != 0 ? push.error_moments[i].at.photons : push.estimates[i].at.photons;
+        if (photons != 0) squared = push.estimates[i].at.radius_squared;
+    }
+    float radius = sqrt(squared);
+    bool is_wide = radius >= AREA_MIN_RADIUS;
+    uint own = gl_LocalInvocationIndex;
+    if (is_wide && spoke == 0) heights[own / AREA_SPOKES] = height_over(i, radius);
+    barrier();
+    vec3 found = vec3(0.0), all = vec3(0.0);
+    if (is_wide) probe_spoke(i, spoke, radius, heights[own / AREA_SPOKES], found, all);
+    found_by[own] = found;
+    all_by[own] = all;
+    barrier();
+    if (!is_wide || spoke != 0) return;
+    for (uint other = 1; other < AREA_SPOKES; other++) {
+        found += found_by[own + other];
+        all += all_by[own + other];
     }
     float share = area_share(found.x, all.x);
     push.estimates[i].at.radius_squared = squared * share;

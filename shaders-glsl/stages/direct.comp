@@ -39,13 +39,15 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     Values values;
     uvec2 seed;
     uint pass;
-    // DOMAIN_SHADOW, and the camera sample in the upper half.
+    // DOMAIN_SHADOW, and the first camera sample in the upper half.
     uint domain;
     uint rays;
     // First query of this dispatch, and range of rays of each query.
     uint start;
     uint start_ray;
     uint end_ray;
+    // Of a picture: queries of further samples have places beyond it.
+    uint pixels;
 };
 
 layout(push_constant, scalar) uniform Push { Parameters push; };
@@ -79,6 +81,7 @@ void main() {
     vec3 position = push.queries[i].at.position;
     vec3 normal = push.queries[i].at.normal;
     uint key = push.queries[i].at.path;
+    uint domain = push.domain + (push.queries[i].at.pixel / push.pixels << 16);
     vec3 shading = normal;
     if (SHADING_NORMALS) {
         shading = octahedral_unpack(push.queries[i].at.shading_normal);
@@ -94,11 +97,11 @@ void main() {
     LightSampler light_sampler = GROUPS == 0u
         ? light_sampler_at(push.scene, WEIGHED, position, normal)
         : light_sampler_for_rays(push.scene, WEIGHED, GROUPS, push.rays, position, normal);
-    uint systematic = GROUPS == 0u ? 0u : philox4x32(uvec4(key, 0u, push.pass, push.domain), push.seed).x;
+    uint systematic = GROUPS == 0u ? 0u : philox4x32(uvec4(key, 0u, push.pass, domain), push.seed).x;
     vec3 sum = vec3(0.0);
     vec3 low = vec3(0.0);
     for (uint k = push.start_ray; k < push.end_ray; k++) {
-        uvec4 words = philox4x32(uvec4(key, k, push.pass, push.domain), push.seed);
+        uvec4 words = philox4x32(uvec4(key, k, push.pass, domain), push.seed);
         float share;
         uint index = light_sampler_pick(
             push.scene, light_sampler, uvec2(stratum(k, push.rays, GROUPS == 0u ? words.x : systematic), words.w), share);

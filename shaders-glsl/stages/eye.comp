@@ -61,24 +61,29 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     Cameras camera;
     FirstPass first;
     Planes emission;
-    // 2 to the power of PLACES_LOG2 slots for each pixel, and the number of them that are filled.
+    // 2 to the power of PLACES_LOG2 slots for each place, and the number of them that are filled.
     Queries found;
     Words counts;
     uvec2 seed;
     // Number of paths that were truncated.
     LongCounter truncated;
     uint pass;
-    // DOMAIN_EYE, and the camera sample in the upper half.
+    // DOMAIN_EYE, and the first camera sample in the upper half.
     uint domain;
     uint width;
     uint height;
-    // Range of rows of this dispatch.
+    // Range of rows of this dispatch, of as many pictures as there are samples, one below the other.
     uint start_row;
     uint end_row;
     uint max_bounces;
+    uint samples;
 };
 
 layout(push_constant, scalar) uniform Push { Parameters push; };
+
+// The pixel of the path in these pictures, where it leaves queries and light; and `push.domain` with its own sample.
+uint place;
+uint domain;
 
 // An active camera path.
 struct Path {
@@ -121,7 +126,7 @@ bool truncates(Path path) {
 }
 
 uvec4 words(uint pixel, uint branch, uint block) {
-    return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, push.domain), push.seed);
+    return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, domain), push.seed);
 }
 
 // The camera ray through a point of the image, both coordinates in [-1, 1].
@@ -212,8 +217,8 @@ void leave_query(
     if (REFLECTIONS && ALL_LIGHTS) offset_or_wo = gloss_caustics_with_mark(offset_or_wo, path.shows_all);
     if (!REFLECTIONS && TERMINATOR_OFFSET) offset_or_wo = shadow_terminator_pack(offset);
     // Moved away from edges, next to which rounding might put it behind the adjacent wall, out of its shadow.
-    push.found[(pixel << PLACES_LOG2) + found].at = Query(
-        at.start, 1.0, at.normal, pixel, throughput, media_coat.x, offset_or_wo, key,
+    push.found[(place << PLACES_LOG2) + found].at = Query(
+        at.start, 1.0, at.normal, place, throughput, media_coat.x, offset_or_wo, key,
         SHADING_NORMALS || REFLECTIONS ? octahedral_pack(normal) : 0u, media_coat.y);
     found++;
 }
@@ -230,6 +235,10 @@ void main() {
     uint x = (tile % tiles_across << columns_log2) + (within & ((1u << columns_log2) - 1));
     uint y = push.start_row + (tile / tiles_across << TILE_ROWS_LOG2) + (within >> columns_log2);
     if (x >= push.width || y >= push.end_row) return;
+    uint camera_sample = y / push.height;
+    place = y * push.width + x;
+    domain = push.domain + (camera_sample << 16);
+    y -= camera_sample * push.height;
     uint pixel = y * push.width + x;
     uvec4 jitter = words(pixel, 0, BLOCK_START);
     precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
@@ -264,7 +273,7 @@ void main() {
             if (SHADED) normal = shade(push.scene, at, hit, material, layers);
             if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
             if (path.surfaces == 0 && POINTS) {
-                FirstPass first = push.first + pixel;
+                FirstPass first = push.first + place;
                 // Sums over the camera samples of the pass; stale before the first hit.
                 uint hits = first.hits;
                 first.normal = hits == 0 ? normal : first.normal + normal;
@@ -282,7 +291,7 @@ void main() {
             }
             if (DISPERSION && media_is_dispersive(push.scene, sides)) {
                 uint key = (pixel << PATHS_LOG2) + path.branch;
-                uint drawn = wavelength_word(push.seed, push.pass, push.domain, key, 0u);
+                uint drawn = wavelength_word(push.seed, push.pass, domain, key, 0u);
                 uint wavelength = wavelength_of(path);
                 media_disperse(push.scene, sides, wavelength, path.throughput, drawn);
                 path.total = path.total & 0xFFFFu | wavelength << 16;
@@ -377,12 +386,12 @@ void main() {
         }
     }
     if (SEGMENTS != 0u) close_reservoir(reservoir, pixel, found);
-    push.counts[pixel].at = found;
+    push.counts[place].at = found;
     const uint lit = FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_SUN | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS;
     if ((FEATURES & lit) != 0 && POINTS && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
-            Planes place = film_place(push.emission, c, push.width * push.height, pixel);
-            place.at += emission[c];
+            Planes light = film_place(push.emission, c, push.width * push.height * push.samples, place);
+            light.at += emission[c];
         }
     }
 }

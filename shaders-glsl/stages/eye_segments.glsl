@@ -42,7 +42,7 @@ void leave_segment(
         uint number = reservoir.count;
         precise float total = reservoir.total + weight;
         uint word = philox4x32(
-            uvec4(pixel << PATHS_LOG2, BLOCK_SEGMENTS + number, push.pass, DOMAIN_SEGMENT | push.domain & 0xFFFF0000u), push.seed).x;
+            uvec4(pixel << PATHS_LOG2, BLOCK_SEGMENTS + number, push.pass, DOMAIN_SEGMENT | domain & 0xFFFF0000u), push.seed).x;
         precise float at = unit_f32(word) * total;
         bool is_kept = weight > 0.0 && at < weight;
         reservoir.count = number + 1u;
@@ -50,8 +50,8 @@ void leave_segment(
         if (is_kept) reservoir.kept = weight;
         if (!is_kept && number > 0u) return;
     }
-    push.found[(pixel << PLACES_LOG2) + found].at = Query(
-        ray.origin, 1.0, ray.direction, pixel, throughput, media, floatBitsToUint(length),
+    push.found[(place << PLACES_LOG2) + found].at = Query(
+        ray.origin, 1.0, ray.direction, place, throughput, media, floatBitsToUint(length),
         (pixel << PATHS_LOG2) + found, octahedral_pack(end), octahedral_pack(start));
     if (!is_last) ++found;
 }
@@ -81,7 +81,7 @@ void leave_segments(
 // Completes the last slot.
 void close_reservoir(Reservoir reservoir, uint pixel, inout uint found) {
     if (reservoir.count == 0u || (reservoir.count > 1u && !(reservoir.kept > 0.0))) return;
-    Queries last = push.found + int((pixel << PLACES_LOG2) + found);
+    Queries last = push.found + int((place << PLACES_LOG2) + found);
     precise float share = reservoir.total / reservoir.kept;
     if (reservoir.count > 1u) last.at.throughput *= share;
     ++found;

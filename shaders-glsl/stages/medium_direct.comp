@@ -39,13 +39,15 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     Values values;
     uvec2 seed;
     uint pass;
-    // DOMAIN_SEGMENT, and the camera sample in the upper half.
+    // DOMAIN_SEGMENT, and the first camera sample in the upper half.
     uint domain;
     uint rays;
     // First segment of this dispatch, and range of rays of each segment.
     uint start;
     uint start_ray;
     uint end_ray;
+    // Of a picture: segments of further samples have places beyond it.
+    uint pixels;
 };
 
 layout(push_constant, scalar) uniform Push { Parameters push; };
@@ -155,6 +157,7 @@ void main() {
     if (i >= min(push.count.needed, push.count.capacity)) return;
     Segment segment = segment_of(push.queries[i].at);
     uint key = push.queries[i].at.path;
+    uint domain = push.domain + (push.queries[i].at.pixel / push.pixels << 16);
     LightSampler light_sampler = lights_along(segment);
     uint medium = media_current(push.scene, segment.media);
     sees_grid = has_grid(push.scene, medium);
@@ -169,13 +172,13 @@ void main() {
     vec3 sum = vec3(0.0);
     vec3 low = vec3(0.0);
     for (uint k = push.start_ray; k < end_ray; k++) {
-        uvec4 words = philox4x32(uvec4(key, k, push.pass, push.domain), push.seed);
+        uvec4 words = philox4x32(uvec4(key, k, push.pass, domain), push.seed);
         float share;
         uint index = light_sampler_pick(push.scene, light_sampler, uvec2(words.x, 0u), share);
         // Each ray has its own part of the segment.
         precise float place = (float(k) + unit_f32(words.w)) / float(push.rays);
         uint alpha = 0u;
-        if (RANDOM_SURFACES) alpha = philox4x32(uvec4(key, BLOCK_SEGMENTS + k, push.pass, push.domain), push.seed).y;
+        if (RANDOM_SURFACES) alpha = philox4x32(uvec4(key, BLOCK_SEGMENTS + k, push.pass, domain), push.seed).y;
         two_add(sum, low, from_light(segment, index, words.yz, place, alpha) / share);
     }
     vec3 before = push.start_ray == 0 ? vec3(0.0) : push.values[i].at;

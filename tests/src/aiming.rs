@@ -91,7 +91,7 @@ fn caustics<T: TestBackend>(
     let mut home = Vec::new();
     (0..passes)
         .map(|index| {
-            let pass = Pass { seed: settings.seed, index, random: settings.random, sample: 0 };
+            let pass = Pass { seed: settings.seed, index, random: settings.random, sample: 0, samples: 1 };
             let batch = Batch { pass, paths: 0..paths };
             on.clear(&mut kept).unwrap();
             emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
@@ -202,7 +202,7 @@ pub fn g2_all_ways_to_something_specular_are_marked<T: TestBackend>() {
         let mut emitter = on.stages(&required, &settings).unwrap().emitter;
         let paths = 20_000;
         let mut rays = on.alloc::<PhotonRay>("rays", u64::from(paths)).unwrap();
-        let pass = Pass { seed: settings.seed, index: 0, random: settings.random, sample: 0 };
+        let pass = Pass { seed: settings.seed, index: 0, random: settings.random, sample: 0, samples: 1 };
         emitter.emit(&mut on, &prepared, &Batch { pass, paths: 0..paths }, &mut rays).unwrap();
         let mut home = Vec::new();
         on.download(&rays, &mut home).unwrap();

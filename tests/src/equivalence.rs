@@ -55,7 +55,7 @@ pub(crate) fn rays<T: TestBackend>(
         Some(projection) => on.aimed(&required, settings, projection).unwrap().unwrap().0,
     };
     let mut rays = on.alloc("rays", u64::from(count)).unwrap();
-    let pass = Pass { seed: settings.seed, index: 3, random: settings.random, sample: 0 };
+    let pass = Pass { seed: settings.seed, index: 3, random: settings.random, sample: 0, samples: 1 };
     emitter.emit(&mut on, &prepared, &Batch { pass, paths: 5..5 + count }, &mut rays).unwrap();
     let mut out = Vec::new();
     on.download(&rays, &mut out).unwrap();

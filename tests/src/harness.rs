@@ -176,7 +176,7 @@ impl<B: TransportBackend> Tracing<B> {
         required.maps = PerMap::splat(true);
         let prepared = on.prepare(&view, &required).unwrap();
         let stages = on.stages(&required, settings).unwrap();
-        let pass = Pass { seed: settings.seed, index: 0, random: settings.random, sample: 0 };
+        let pass = Pass { seed: settings.seed, index: 0, random: settings.random, sample: 0, samples: 1 };
         let photons = PerMap::from_fn(|kind| on.alloc(kind.name(), capacity).unwrap());
         Self { on, prepared, stages, pass, photons }
     }

@@ -363,6 +363,17 @@ pub fn memory_is_limited_with_a_mirror<T: TestBackend>() {
     assert!(matches!(refused, Some(Error::OverMemory { .. })), "{refused:?}");
 }
 
+/// The radius is found from at most 4096 pixels; that of a picture with more is about the same.
+pub fn radius_of_more_pixels_than_tell_it<T: TestBackend>() {
+    let scene = photon_scene::builtin("fog").unwrap().build().unwrap();
+    let settings = Settings { photons: 2000, ..Settings::default() };
+    let [few, more] = [64, 72].map(|size| {
+        let radii = renderer::<T>(&scene, scene.view().media, &settings, size).radii();
+        f64::from(*radii.last().unwrap())
+    });
+    assert!((more / few).ln().abs() < 0.1 && few > 0.0, "{few}, {more}");
+}
+
 /// What cannot be rendered with such media is refused, with the remedy.
 pub fn what_media_do_not_go_with_is_refused<T: TestBackend>() {
     let scene = endless(1.0, 90.0);

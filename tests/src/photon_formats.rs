@@ -66,8 +66,10 @@ fn landed<B: TransportBackend>(
     let mut stages = on.stages(&required, &settings).unwrap();
     let mut photons = on.alloc_photons("photons", rays.len() as u64, photon_format).unwrap();
     let there = on.upload("rays", rays).unwrap();
-    let batch =
-        Batch { pass: Pass { seed: 1, index: 0, random: RandomKind::Counter, sample: 0 }, paths: 0..rays.len() as u32 };
+    let batch = Batch {
+        pass: Pass { seed: 1, index: 0, random: RandomKind::Counter, sample: 0, samples: 1 },
+        paths: 0..rays.len() as u32,
+    };
     let deposits = PerMap::only(MapKind::Direct, &mut photons);
     stages.tracer.trace(on, &prepared, &batch, &there, deposits).unwrap();
     assert_eq!(stages.tracer.take_tally(on).unwrap().surfaces, rays.len() as u64);

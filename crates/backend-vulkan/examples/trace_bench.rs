@@ -66,7 +66,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
                 on.clear(map)?;
             }
             on.timings()?;
-            let pass = Pass { seed: 1, index: round, random: RandomKind::Counter, sample: 0 };
+            let pass = Pass { seed: 1, index: round, random: RandomKind::Counter, sample: 0, samples: 1 };
             let batch = Batch { pass, paths: 0..paths };
             on.mark(Some(Stage::Emit));
             stages.emitter.emit(&mut on, &prepared, &batch, &mut rays)?;

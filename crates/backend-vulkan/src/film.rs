@@ -17,6 +17,7 @@ pub(crate) mod bandwidth;
 mod display;
 pub(crate) mod errors;
 mod read_back;
+pub(crate) mod samples;
 #[cfg(test)]
 mod tests;
 
@@ -33,6 +34,8 @@ pub struct VulkanFilm {
     /// Camera paths of a pixel in each pass.
     camera_samples: u32,
     layers: [Option<Plane>; Layer::ALL.len()],
+    /// Places of camera samples that are traced together.
+    together: Option<samples::Together>,
     first_pass: Memory,
     first_sum: Memory,
     /// Scratch buffer: one vector per query, for stages that compute values per query.
@@ -114,6 +117,7 @@ impl VulkanFilm {
             passes: 0,
             camera_samples: 1,
             layers,
+            together: None,
             first_pass,
             first_sum,
             values: None,
@@ -145,11 +149,6 @@ impl VulkanFilm {
     /// Whether the film stores error statistics.
     pub(crate) fn keeps_errors(&self) -> bool {
         self.errors.is_some()
-    }
-
-    /// Address of the first surfaces of the current pass, one per pixel.
-    pub(crate) fn first_address(&self) -> u64 {
-        self.first_pass.address()
     }
 
     /// Address of the current pass of a layer, three planes of floats; allocates the layer if necessary.
@@ -194,8 +193,12 @@ impl VulkanFilm {
     /// Reports its memory as that of the film.
     fn note(&self, on: &mut Vulkan) {
         let planes = self.layers.iter().flatten().map(|plane| plane.pass.bytes() + plane.sum.bytes());
+        let together = self.together.as_ref().map_or(0, samples::Together::bytes);
         let scratch: u64 = [&self.values, &self.shown, &self.radii].into_iter().flatten().map(Memory::bytes).sum();
-        on.note_memory("film", planes.sum::<u64>() + scratch + self.first_pass.bytes() + self.first_sum.bytes());
+        on.note_memory(
+            "film",
+            planes.sum::<u64>() + scratch + together + self.first_pass.bytes() + self.first_sum.bytes(),
+        );
         if let Some(errors) = &self.errors {
             on.note_memory("film: errors", errors.bytes());
         }
@@ -229,12 +232,13 @@ pub(crate) fn accumulate(
     dispatch(on, FROM_ESTIMATES, &push, length)
 }
 
-/// Adds `weight × value` of each query to `layer` of its pixel; the values are in the film's scratch buffer.
+/// Adds `weight × value` of each query to its pixel in the planes `pass` of so many camera samples; the values are in the film's scratch buffer.
 pub(crate) fn accumulate_values(
     on: &mut Vulkan,
     film: &mut VulkanFilm,
-    layer: Layer,
+    pass: u64,
     queries: &VulkanBuffer<Query>,
+    samples: u32,
 ) -> Result<()> {
     let push = AccumulatePush {
         queries: queries.data_address(),
@@ -242,8 +246,8 @@ pub(crate) fn accumulate_values(
         estimates: 0,
         values: film.values_address(on, queries.capacity())?,
         found_count: queries.count_address(),
-        pass: film.layer_address(on, layer)?,
-        pixels: film.pixels() as u32,
+        pass,
+        pixels: film.pixels() as u32 * samples,
         scale: 1.0,
     };
     // The number of queries is not needed on the host: dispatch for the full capacity.
@@ -262,6 +266,7 @@ fn end_kernel(on: &mut Vulkan, layers: u32) -> ComputePipeline {
 pub(crate) fn announce(on: &mut Vulkan, layers: &[Layer], from_estimates: bool, from_values: bool, averages: bool) {
     if averages {
         average_kernel(on);
+        samples::kernel(on);
     }
     let wanted = [(FROM_ESTIMATES, from_estimates), (FROM_VALUES, from_values)];
     for (from, _) in wanted.into_iter().filter(|(_, is_wanted)| *is_wanted) {
@@ -318,6 +323,7 @@ pub(crate) fn end_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
 
 /// Discards the current pass.
 pub(crate) fn abandon_pass(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
+    film.together = None;
     film.note(on);
     for plane in film.layers.iter().flatten() {
         on.fill_words(&plane.pass, 0, plane.pass.bytes(), 0)?;

@@ -35,6 +35,9 @@ pub(crate) static FILM_END_ERRORS: Module =
 pub(crate) static FILM_ERRORS: Module =
     Module { name: "film_errors", bytes: include_bytes!("../spirv/film_errors.spv") };
 
+pub(crate) static FILM_SAMPLES: Module =
+    Module { name: "film_samples", bytes: include_bytes!("../spirv/film_samples.spv") };
+
 pub(crate) static INDEX_ARRANGE: Module =
     Module { name: "index_arrange", bytes: include_bytes!("../spirv/index_arrange.spv") };
 
@@ -292,7 +295,7 @@ pub(crate) static STAGES_TRACE_REORDER: Module =
     Module { name: "stages_trace_reorder", bytes: include_bytes!("../spirv/stages_trace_reorder.spv") };
 
 /// Those of the pipeline.
-pub(crate) static KERNELS: [&Module; 61] = [
+pub(crate) static KERNELS: [&Module; 62] = [
     &DEVICE_COPY,
     &FILM_ACCUMULATE,
     &FILM_AVERAGE,
@@ -303,6 +306,7 @@ pub(crate) static KERNELS: [&Module; 61] = [
     &FILM_END,
     &FILM_END_ERRORS,
     &FILM_ERRORS,
+    &FILM_SAMPLES,
     &INDEX_ARRANGE,
     &INDEX_BOUNDS,
     &INDEX_CODES,

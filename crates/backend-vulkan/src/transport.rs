@@ -35,6 +35,11 @@ impl TransportBackend for Vulkan {
         if self.limits().is_software() { 1 << 18 } else { 1 << 22 }
     }
 
+    fn samples_together(&self, pixels: u64) -> u32 {
+        // As paths: a dispatch takes as long as its longest path.
+        (u64::from(self.dispatch_limits.pixels_of_samples) / pixels).clamp(1, 64) as u32
+    }
+
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<VulkanScene> {
         // Work of the host, which timestamps of the device do not show.
         let start = Instant::now();

@@ -77,7 +77,7 @@ impl Vulkan {
             profile: Profile::new(&device)?,
             pipelines: Pipelines::new(&device, disk)?,
             trace_plan: TracePlan::for_subgroups(device.limits.subgroup_size),
-            dispatch_limits: DispatchLimits::default(),
+            dispatch_limits: DispatchLimits::of(&device.limits),
             tree: None,
             device,
             memory: Vec::new(),

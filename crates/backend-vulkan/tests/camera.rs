@@ -20,7 +20,7 @@ fn settings() -> Settings {
 }
 
 fn pass(index: u32) -> Pass {
-    Pass { seed: 17, index, random: RandomKind::Counter, sample: 0 }
+    Pass { seed: 17, index, random: RandomKind::Counter, sample: 0, samples: 1 }
 }
 
 fn scene(name: &str) -> Scene {

@@ -9,10 +9,6 @@ use photon_core::{
 };
 
 fn film(dispatch_limits: DispatchLimits, width: u32, height: u32) -> Film {
-    let mut on = low_level::for_tests().unwrap();
-    low_level::set_dispatch_limits(&mut on, dispatch_limits);
-    let scene = photon_scene::builtin("cornell-glass").unwrap().build().unwrap();
-    let view = View { camera: scene.camera(None, width, height).unwrap(), width, height };
     let settings = Settings {
         photons: 3000,
         indirect: Indirect::Gather,
@@ -21,6 +17,14 @@ fn film(dispatch_limits: DispatchLimits, width: u32, height: u32) -> Film {
         index: IndexKind::Morton,
         ..Settings::default()
     };
+    film_of("cornell-glass", settings, dispatch_limits, width, height)
+}
+
+fn film_of(scene: &str, settings: Settings, dispatch_limits: DispatchLimits, width: u32, height: u32) -> Film {
+    let mut on = low_level::for_tests().unwrap();
+    low_level::set_dispatch_limits(&mut on, dispatch_limits);
+    let scene = photon_scene::builtin(scene).unwrap().build().unwrap();
+    let view = View { camera: scene.camera(None, width, height).unwrap(), width, height };
     let mut renderer = Pipeline::new(on, &scene.view(), view, settings).unwrap();
     render(&mut renderer, Budget::passes(2), &mut ()).unwrap();
     renderer.film().unwrap()
@@ -57,6 +61,27 @@ fn pictures_do_not_depend_on_portions() {
         pixel.layers[1][0] *= 1.0001;
     }
     assert!(apart(&tiny, &other) > 1e-5);
+}
+
+/// Camera samples may be traced together in any number, without changing a bit: rough glass, segments in media beside surfaces,
+/// wavelengths.
+#[test]
+fn pictures_do_not_depend_on_samples_that_are_traced_together() {
+    if low_level::for_tests().is_none() {
+        return;
+    }
+    let default = DispatchLimits::default();
+    for scene in ["frosted-glass", "ring", "glass-fog", "prism"] {
+        let together = 1 << 20;
+        let of = |camera_samples, pixels_of_samples| {
+            let settings = Settings { photons: 500, camera_samples, ..Settings::default() };
+            film_of(scene, settings, DispatchLimits { pixels_of_samples, ..default }, 9, 7)
+        };
+        let all = of(6, together);
+        assert!([1, 2 * 63].map(|limit| of(6, limit).pixels == all.pixels) == [true; 2], "{scene}");
+        // A difference is detected.
+        assert!(of(5, together).pixels != all.pixels, "{scene}");
+    }
 }
 
 fn ask<B: Backend>(on: &mut B, photons: &[Photon], queries: &[Query]) -> Vec<Estimate> {

@@ -14,6 +14,7 @@ fn settings() -> Settings {
         direct: Direct::Photons,
         indirect: Indirect::Gather,
         gather_rays: 1,
+        camera_samples: 3,
         ..Settings::default()
     }
 }

@@ -61,7 +61,7 @@ fn trace<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> TraceOutp
     starts.push(how.paths);
     for range in starts.windows(2) {
         let mut rays = on.alloc::<PhotonRay>("rays", u64::from(range[1] - range[0])).unwrap();
-        let pass = Pass { seed: 11, index: 3, random: how.random, sample: 0 };
+        let pass = Pass { seed: 11, index: 3, random: how.random, sample: 0, samples: 1 };
         let batch = Batch { pass, paths: range[0]..range[1] };
         stages.emitter.emit(on, &prepared, &batch, &mut rays).unwrap();
         let deposits = buffers.each_mut().map(Some);

@@ -33,7 +33,7 @@ pub enum Error {
         capacity: u64,
     },
     /// An allocation failed.
-    #[error("out of memory: {bytes} bytes for {label}")]
+    #[error("out of memory: {bytes} bytes for {label}{}", remedy(label))]
     OutOfMemory {
         /// Label of the buffer.
         label: &'static str,
@@ -161,6 +161,16 @@ pub enum Error {
 impl From<OutOfMemory> for Error {
     fn from(OutOfMemory { label, bytes }: OutOfMemory) -> Self {
         Self::OutOfMemory { label, bytes }
+    }
+}
+
+/// Settings that need less memory with this label, in words.
+fn remedy(label: &str) -> &'static str {
+    let is_of = |names: &[&str]| names.iter().any(|name| label.contains(name));
+    match () {
+        () if is_of(&["film", "quer", "camera", "estimates"]) => "; render fewer pixels",
+        () if is_of(&["photon"]) => "; render fewer photons per pass",
+        () => "",
     }
 }
 

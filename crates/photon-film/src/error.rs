@@ -24,7 +24,7 @@ pub enum FilmFileError {
         why: String,
     },
     /// The file is of another kind.
-    #[error("{}: is no film file: it {kind}", path.display())]
+    #[error("{}: is no film file: it {}", path.display(), found(kind))]
     OtherKind {
         /// The file.
         path: PathBuf,
@@ -131,4 +131,9 @@ pub fn shown(text: &str) -> String {
         }
     }
     shown
+}
+
+/// The kind of a file, with a remedy if files of its kind are of no use here.
+fn found(kind: &photon_core::FileKind) -> String {
+    if kind.extension.is_some() { format!("is {}", kind.name) } else { kind.to_string() }
 }

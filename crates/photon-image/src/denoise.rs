@@ -67,8 +67,11 @@ impl Denoiser {
             let half_widths: Vec<f64> = intervals.iter().map(|interval| interval.half_width).collect();
             let limited = limit(&picture, &mut pixels, &half_widths);
             let claimed = half_widths.iter().filter(|width| width.is_finite()).count();
-            let share = 100.0 * claimed as f64 / half_widths.len().max(1) as f64;
-            note += &format!(", within the claimed errors of {share:.0} % of the pixels ({limited} limited by them)");
+            if claimed > 0 {
+                let share = 100.0 * claimed as f64 / half_widths.len() as f64;
+                note +=
+                    &format!(", within the claimed errors of {share:.0} % of the pixels ({limited} limited by them)");
+            }
         }
         Ok(Denoised { pixels, note })
     }

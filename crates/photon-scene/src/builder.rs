@@ -193,14 +193,13 @@ impl SceneBuilder {
     }
 
     /// Adds an even environment of radiance 1 if there are triangles and nothing emits light ([`Self::has_light`]), so that
-    /// a model by itself can be seen; a black environment that was described is kept, and none shines through a medium without bounds.
-    /// Returns whether it did.
+    /// a model by itself can be seen; a black environment that was described is kept. Returns whether it did. Through a medium
+    /// without bounds no environment shines: rendering says so.
     ///
     /// # Errors
     /// As [`Self::environment_from`].
     pub fn light_if_dark(&mut self) -> Result<bool, SceneError> {
-        let is_clear = self.medium.is_none_or(|medium| medium.is_vacuum() || medium.bounds.is_some());
-        let is_dark = !self.has_light() && self.environment_text.is_none() && self.bounds().is_some() && is_clear;
+        let is_dark = !self.has_light() && self.environment_text.is_none() && self.bounds().is_some();
         if is_dark {
             self.environment_from(&EnvironmentDesc::constant([1.0; 3]))?;
         }

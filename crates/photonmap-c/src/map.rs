@@ -106,7 +106,7 @@ pub unsafe extern "C" fn pm_map_new(
     })
 }
 
-/// Finds the `k` nearest photons of each of `count` points.
+/// Finds the `k` nearest photons, above 0, of each of `count` points.
 ///
 /// `positions`: 3 coordinates for each point, finite. `max_radius`: photons farther away do not count; may be infinite.
 /// `ids` and `squared_distances`, each of `count` times `k` elements, of which one may be NULL: rows of `k`, nearest
@@ -123,6 +123,11 @@ pub unsafe extern "C" fn pm_map_nearest(
 ) -> PmStatus {
     call(|| {
         let max_r2 = squared(max_radius)?;
+        if k == 0 || (ids.is_null() && squared_distances.is_null()) {
+            let what =
+                if k == 0 { "k is 0, but has to be above 0" } else { "ids and squared_distances are NULL; give one" };
+            return Err(Fault::argument(what));
+        }
         let all = pointer::product(count, k, "ids")?;
         // SAFETY: the caller's handle and arrays, of which those that are NULL have no elements.
         let (map, points, ids, distances) = unsafe {

@@ -66,7 +66,7 @@ impl PmPhotons {
         }
         let prepared = on.prepare(&view, &required)?;
         let mut stages = on.stages(&required, settings)?;
-        let pass = Pass { seed: settings.seed, index: pass, random: settings.random, sample: 0 };
+        let pass = Pass { seed: settings.seed, index: pass, random: settings.random, sample: 0, samples: 1 };
         let step = settings.photons.min(on.batch());
         let mut rays = on.alloc::<PhotonRay>("photon rays", u64::from(step))?;
         let mut photons = Vec::new();

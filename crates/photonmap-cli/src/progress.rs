@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::watch::Said;
+
 /// Minimum interval between plain lines.
 const INTERVAL: Duration = Duration::from_secs(5);
 
@@ -53,9 +55,14 @@ impl Progress {
 
     /// Prints a message without disturbing the bar.
     pub fn say(&self, text: &str) {
+        self.print(Said::Message(text));
+    }
+
+    /// Prints a message or a picture without disturbing the bar.
+    pub(crate) fn print(&self, said: Said<'_>) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| say!("{text}")),
-            None => say!("{text}"),
+            Some(bar) => bar.suspend(|| said.say()),
+            None => said.say(),
         }
     }
 

@@ -123,7 +123,7 @@ pub fn json(renderer: &dyn Render, details: &Details<'_>) -> Value {
         "seconds": seconds_of(&facts.setup, details),
         "photons_per_second": if tracing > 0.0 { tally.emitted as f64 / tracing } else { 0.0 },
         "grain": details.grain,
-        "decided": details.decided.map(|decided| decided.json(outcome.passes)),
+        "decided": details.decided.map(|decided| decided.json(outcome)),
         "settings": details.settings,
         "report": details.load.lines.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "warnings": details.warnings,

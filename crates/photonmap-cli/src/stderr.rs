@@ -15,6 +15,11 @@ pub fn line(text: fmt::Arguments<'_>) {
     let _ = std::io::stderr().lock().write_all(format!("{}\n", harmless(&text.to_string())).as_bytes());
 }
 
+/// Writes text with commands for the terminal, in which nothing comes from elsewhere, such as a picture of coloured characters.
+pub fn commands(text: &str) {
+    let _ = std::io::stderr().lock().write_all(format!("{text}\n").as_bytes());
+}
+
 /// The text without characters that a terminal obeys, which names of files may contain.
 fn harmless(text: &str) -> Cow<'_, str> {
     let is_unsafe = |c: char| c.is_control() && !matches!(c, '\n' | '\t');

@@ -14,6 +14,7 @@ use photon_core::{Display, DisplayImage, Event, Film, Observer};
 use crate::args::WatchArgs;
 use crate::command::picture::Look;
 use crate::fault::Fault;
+use crate::stderr;
 
 /// Interval between pictures, once passes that double the film have become rare.
 const INTERVAL: Duration = Duration::from_secs(5);
@@ -24,6 +25,24 @@ const SHARE: u32 = 20;
 /// Time for closing everything.
 const CLOSING: Duration = Duration::from_secs(2);
 
+/// Text for the terminal.
+#[derive(Clone, Copy)]
+pub(crate) enum Said<'a> {
+    Message(&'a str),
+    /// Lines of coloured characters.
+    Picture(&'a str),
+}
+
+impl Said<'_> {
+    /// Writes it to standard error.
+    pub(crate) fn say(self) {
+        match self {
+            Self::Message(text) => say!("{text}"),
+            Self::Picture(text) => stderr::commands(text),
+        }
+    }
+}
+
 /// Shows films, or what a screen shows of them.
 trait Sink: Send {
     /// How the pictures for [`Sink::show_image`] are made; `None` if a whole film is needed.
@@ -31,7 +50,7 @@ trait Sink: Send {
         None
     }
 
-    /// Shows a film. Returns text for the terminal, if any.
+    /// Shows a film. Returns a picture for the terminal, if any.
     ///
     /// # Errors
     /// Why it cannot be shown; it is not asked again.
@@ -91,21 +110,21 @@ impl Watch {
     }
 
     /// Shows a film or a picture. `say` prints to the terminal.
-    fn show(&mut self, view: View<'_>, say: &mut dyn FnMut(&str)) {
+    fn show(&mut self, view: View<'_>, say: &mut dyn FnMut(Said<'_>)) {
         let begun = Instant::now();
         let shown = |sink: &mut Box<dyn Sink>| match view {
             View::Film(film) => sink.show(film),
             View::Image(image) => sink.show_image(image),
         };
         self.sinks.retain_mut(|sink| match shown(sink) {
-            Ok(text) => {
-                if let Some(text) = text {
-                    say(&text);
+            Ok(picture) => {
+                if let Some(picture) = picture {
+                    say(Said::Picture(&picture));
                 }
                 true
             }
             Err(why) => {
-                say(&format!("warning: {why}; rendering goes on without it"));
+                say(Said::Message(&format!("warning: {why}; rendering goes on without it")));
                 false
             }
         });
@@ -116,7 +135,7 @@ impl Watch {
 
     /// Shows the finished film and closes everything. Readers that stall are waited for no longer than [`CLOSING`] in all.
     pub(crate) fn finish(mut self, film: &Film) {
-        self.show(View::Film(film), &mut |text| say!("{text}"));
+        self.show(View::Film(film), &mut |said| said.say());
         let deadline = Instant::now() + CLOSING;
         for sink in &mut self.sinks {
             if let Err(why) = sink.close(deadline) {
@@ -152,7 +171,7 @@ pub(crate) struct Watching<'a, F> {
     pub(crate) watch: &'a mut Watch,
     /// Receives all events, films and pictures included.
     pub(crate) inner: F,
-    pub(crate) say: &'a mut dyn FnMut(&str),
+    pub(crate) say: &'a mut dyn FnMut(Said<'_>),
 }
 
 impl<F: FnMut(&Event<'_>) -> ControlFlow<()>> Observer for Watching<'_, F> {
@@ -195,6 +214,30 @@ mod tests {
     }
 
     #[test]
+    fn pictures_keep_their_commands_and_a_failure_is_a_message_said_once() {
+        struct Once(bool);
+        impl Sink for Once {
+            fn show(&mut self, _: &Film) -> Result<Option<String>, String> {
+                let is_first = std::mem::replace(&mut self.0, false);
+                if is_first { Ok(Some("\u{1b}[0m".into())) } else { Err("it is gone".into()) }
+            }
+        }
+        let mut watch = Watch { sinks: vec![Box::new(Once(true))], last: None };
+        let film = Film::new(1, 1, photon_core::Units::default()).unwrap();
+        let mut all = Vec::new();
+        for _ in 0..3 {
+            watch.show(View::Film(&film), &mut |said| {
+                all.push(match said {
+                    Said::Message(text) => (false, text.to_owned()),
+                    Said::Picture(text) => (true, text.to_owned()),
+                });
+            });
+        }
+        let message = "warning: it is gone; rendering goes on without it";
+        assert_eq!(all, [(true, "\u{1b}[0m".to_owned()), (false, message.to_owned())]);
+    }
+
+    #[test]
     fn a_picture_is_enough_where_all_show_the_same() {
         struct Shows(Option<Display>);
         impl Sink for Shows {
@@ -214,22 +257,5 @@ mod tests {
         assert_eq!(watch(&[Some(bright), Some(bright)]), Some(bright));
         assert_eq!(watch(&[Some(bright), Some(plain)]), None);
         assert_eq!(watch(&[Some(plain), None]), None);
-    }
-
-    #[test]
-    fn a_failure_is_reported_once() {
-        struct Fails;
-        impl Sink for Fails {
-            fn show(&mut self, _film: &Film) -> Result<Option<String>, String> {
-                Err("the screen is gone".into())
-            }
-        }
-        let film = Film::new(1, 1, photon_core::Units::default()).unwrap();
-        let mut watch = Watch { sinks: vec![Box::new(Fails)], last: None };
-        let mut said = Vec::new();
-        for _ in 0..2 {
-            watch.show(View::Film(&film), &mut |text| said.push(text.to_owned()));
-        }
-        assert_eq!(said, ["warning: the screen is gone; rendering goes on without it"]);
     }
 }

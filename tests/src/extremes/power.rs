@@ -156,7 +156,7 @@ pub(crate) fn trace_without_maps<T: TestBackend>(scene: &Scene, settings: &Setti
     let required = Requirements::of(&view, settings);
     let prepared = on.prepare(&view, &required).unwrap();
     let mut stages = on.stages(&required, settings).unwrap();
-    let pass = Pass { seed: settings.seed, index: 0, random: settings.random, sample: 0 };
+    let pass = Pass { seed: settings.seed, index: 0, random: settings.random, sample: 0, samples: 1 };
     let mut rays = on.alloc::<PhotonRay>("rays", u64::from(count)).unwrap();
     let batch = Batch { pass, paths: 0..count };
     stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();

@@ -12,7 +12,7 @@ use photon_scene::{LightDesc, MaterialDesc, Scene, shapes};
 use crate::twin::{Described, End, Landing, Twin, Wide, emit};
 
 /// The pass that is studied.
-pub const PASS: Pass = Pass { seed: 11, index: 0, random: RandomKind::Counter, sample: 0 };
+pub const PASS: Pass = Pass { seed: 11, index: 0, random: RandomKind::Counter, sample: 0, samples: 1 };
 
 /// A closed room of two metres with a glass ball, a mirror and two lights, in a corner of a scene that is `ratio`
 /// times as large, offset by `place` from the user's origin.

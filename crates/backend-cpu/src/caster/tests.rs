@@ -95,7 +95,8 @@ fn photons(name: &str, batches: bool) -> PerMap<Vec<Photon>> {
     required.maps = PerMap::splat(true);
     let prepared = cpu.prepare(&view, &required).unwrap();
     let mut stages = cpu.stages(&required, &settings).unwrap();
-    let batch = Batch { pass: Pass { seed: 1, index: 0, random: RandomKind::Counter, sample: 0 }, paths: 0..5000 };
+    let batch =
+        Batch { pass: Pass { seed: 1, index: 0, random: RandomKind::Counter, sample: 0, samples: 1 }, paths: 0..5000 };
     let mut rays = cpu.alloc::<PhotonRay>("rays", 5000).unwrap();
     stages.emitter.emit(&mut cpu, &prepared, &batch, &mut rays).unwrap();
     let mut maps = PerMap::from_fn(|kind| cpu.alloc::<Photon>(kind.label(), 50_000).unwrap());

@@ -177,6 +177,8 @@ impl Disc<'_> {
         let (mut found, mut all) = ([0.0; 3], [0.0; 3]);
         let discs = if SECOND { 3 } else { 1 };
         for spoke in 0..SPOKES {
+            // Sums of each spoke, as on a GPU, where it has an invocation of its own.
+            let (mut found_by, mut all_by) = ([0.0; 3], [0.0; 3]);
             let (sine, cosine) = math::sin_cos_turns(area::spoke_turns(spoke, turn));
             let direction = tangent * cosine + bitangent * sine;
             let free = opaque::<ALPHA>(scene, Ray { origin: apex, direction, t_max: far }).map_or(far, |(t, _)| t);
@@ -191,9 +193,9 @@ impl Disc<'_> {
                 };
                 let [wide, narrow] = if SECOND { area::second_weights(gather.kernel, distance) } else { [0.0; 2] };
                 let weights = [weight, wide, narrow];
-                (0..discs).for_each(|i| all[i] += weights[i]);
+                (0..discs).for_each(|i| all_by[i] += weights[i]);
                 if whole {
-                    (0..discs).for_each(|i| found[i] += weights[i]);
+                    (0..discs).for_each(|i| found_by[i] += weights[i]);
                     continue;
                 }
                 let away = distance * radius;
@@ -206,9 +208,13 @@ impl Disc<'_> {
                     whole = ring < RINGS && !gather.is_flat() && away <= free;
                     for i in 0..discs {
                         let most = gather.max_plane_distance * (RADII[i] * radius);
-                        found[i] += if !gather.is_flat() || off <= most { weights[i] } else { 0.0 };
+                        found_by[i] += if !gather.is_flat() || off <= most { weights[i] } else { 0.0 };
                     }
                 }
+            }
+            for i in 0..discs {
+                found[i] += found_by[i];
+                all[i] += all_by[i];
             }
         }
         [0, 1, 2].map(|i| area::share(found[i], all[i]))

@@ -43,6 +43,10 @@ impl FilmBackend for Vulkan {
         super::errors::accumulate(self, film, kind, queries, estimates, error_moments, paths)
     }
 
+    fn add_samples(&mut self, film: &mut VulkanFilm, samples: u32) -> Result<()> {
+        super::samples::add(self, film, samples)
+    }
+
     fn average_samples(&mut self, film: &mut VulkanFilm, layers: &[Layer], samples: u32) -> Result<()> {
         super::average_samples(self, film, layers, samples)
     }

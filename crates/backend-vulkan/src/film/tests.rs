@@ -49,7 +49,8 @@ fn sums_over_passes_lose_nothing() {
         let values: Vec<[f32; 3]> = (0..queries.len() as u32).map(|i| number([i, pass, 0, 0])).collect();
         film.values_address(&mut on, there.capacity()).unwrap();
         on.write(film.values.as_ref().unwrap(), 0, bytemuck::cast_slice(&values)).unwrap();
-        accumulate_values(&mut on, &mut film, Layer::Direct, &there).unwrap();
+        let direct = film.layer_address(&mut on, Layer::Direct).unwrap();
+        accumulate_values(&mut on, &mut film, direct, &there, 1).unwrap();
         end_pass(&mut on, &mut film).unwrap();
         // Within a pass, f32 in order of the queries, as the device does.
         let mut pass = vec![[0.0_f32; 3]; pixels];
@@ -143,7 +144,8 @@ fn the_shown_picture_is_that_of_the_film() {
         values[9] = [f32::INFINITY, -1.0, 0.0];
         film.values_address(&mut on, there.capacity()).unwrap();
         on.write(film.values.as_ref().unwrap(), 0, bytemuck::cast_slice(&values)).unwrap();
-        accumulate_values(&mut on, &mut film, layer, &there).unwrap();
+        let plane = film.layer_address(&mut on, layer).unwrap();
+        accumulate_values(&mut on, &mut film, plane, &there, 1).unwrap();
         end_pass(&mut on, &mut film).unwrap();
     }
     // Some pixels were hit in some of the passes.

@@ -1,5 +1,6 @@
 //! Fraction of each estimate's disc that lies on the surface.
 
+use photon_core::area::SPOKES;
 use photon_core::{AreaProbe, EstimateBuffers, EstimateParams, Features, Pass, Query, Result};
 
 use crate::device::ComputePipeline;
@@ -8,7 +9,7 @@ use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
 use crate::vulkan::Vulkan;
 
-/// Invocations per workgroup.
+/// Invocations per workgroup: one for each spoke of its queries.
 const GROUP: u32 = 128;
 /// Maximum number of rays per query, rounded up.
 const RAYS: u64 = 64;
@@ -78,7 +79,8 @@ impl AreaProbe<Vulkan> for VulkanArea {
                 min_cosine: gather.min_normal_cosine,
                 max_plane_distance: gather.max_plane_distance,
             };
-            on.dispatch(&kernel, &push, chunk.min(capacity - start).div_ceil(u64::from(GROUP)))?;
+            let invocations = chunk.min(capacity - start) * u64::from(SPOKES);
+            on.dispatch(&kernel, &push, invocations.div_ceil(u64::from(GROUP)))?;
         }
         Ok(())
     }

@@ -1,10 +1,11 @@
 //! Direct light by next-event estimation.
 
 use photon_core::random::Domain;
-use photon_core::{DirectLight, Features, Layer, MediaFeatures, Pass, Query, Result};
+use photon_core::{DirectLight, Features, MediaFeatures, Pass, Query, Result};
 
 use crate::device::ComputePipeline;
 use crate::device::buffer::VulkanBuffer;
+use crate::film::samples::SampleLight;
 use crate::film::{self, VulkanFilm};
 use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
@@ -35,6 +36,8 @@ parameters! {
         start: u32,
         start_ray: u32,
         end_ray: u32,
+        pixels: u32,
+        padding: u32,
     }
 }
 
@@ -86,10 +89,14 @@ impl DirectLight<Vulkan> for VulkanDirect {
                     start: start as u32,
                     start_ray,
                     end_ray: start_ray.saturating_add(rounds).min(shadow_rays),
+                    pixels: film.pixels() as u32,
+                    padding: 0,
                 };
                 on.dispatch(&kernel, &push, chunk.min(capacity - start).div_ceil(u64::from(GROUP)))?;
             }
         }
-        film::accumulate_values(on, film, Layer::Direct, queries)
+        let light = if self.domain == Domain::Segment { SampleLight::Segments } else { SampleLight::Surfaces };
+        let places = film.places(on, light, pass.samples)?;
+        film::accumulate_values(on, film, places, queries, pass.samples)
     }
 }

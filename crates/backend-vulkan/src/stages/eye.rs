@@ -2,13 +2,14 @@
 
 use photon_core::random::Domain;
 use photon_core::{
-    Camera, EyeTracer, Features, Layer, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Requirements, Result, Settings,
-    View, segments_per_pixel,
+    Camera, EyeTracer, Features, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Requirements, Result, Settings, View,
+    segments_per_pixel,
 };
 
 use crate::device::buffer::VulkanBuffer;
 use crate::device::{ComputePipeline, Memory};
 use crate::film::VulkanFilm;
+use crate::film::samples::SampleLight;
 use crate::scan::Scan;
 use crate::scene::{SceneKind, VulkanScene};
 use crate::shaders;
@@ -78,7 +79,7 @@ parameters! {
         start_row: u32,
         end_row: u32,
         max_bounces: u32,
-        padding: u32,
+        samples: u32,
     }
 }
 
@@ -201,7 +202,7 @@ fn tile_rows_log2(view: &View) -> u32 {
     if view.height >= 4 { 2 } else { 0 }
 }
 
-/// Whether camera paths find light themselves, and may add to [`Layer::Emission`].
+/// Whether camera paths find light themselves, and may add to [`photon_core::Layer::Emission`].
 pub(crate) fn finds_light(scene: &SceneKind, view: &View) -> bool {
     let emits = Features::AREA_LIGHTS.union(Features::ENVIRONMENT).union(Features::SUN).union(Features::FOLLOWED);
     features(scene, view).intersects(emits)
@@ -219,7 +220,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
     ) -> Result<()> {
         film.check_size(view.width, view.height)?;
         let places_log2 = self.paths.places_log2(features(&scene.kind, view));
-        let pixels = view.width * view.height;
+        let pixels = view.width * view.height * pass.samples;
         let places = u64::from(pixels) << places_log2;
         let in_place = queries.capacity() >= places;
         let apart = if in_place {
@@ -241,16 +242,19 @@ impl EyeTracer<Vulkan> for VulkanEye {
 
         let truncated = self.truncated.start(on, features(&scene.kind, view), pass.sample > 0)?;
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
-        let emission = if finds_light(&scene.kind, view) { film.layer_address(on, Layer::Emission)? } else { 0 };
+        let emission =
+            if finds_light(&scene.kind, view) { film.places(on, SampleLight::Emission, pass.samples)? } else { 0 };
+        let first = film.first_places(on, pass.samples)?;
         let tile_rows = tile_rows_log2(view);
         let [look, compact, settle] = self.paths.kernels(on, &scene.kind, view);
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
-        for start_row in (0..view.height).step_by(rows as usize) {
-            let end_row = start_row.saturating_add(rows).min(view.height);
+        let height = view.height * pass.samples;
+        for start_row in (0..height).step_by(rows as usize) {
+            let end_row = start_row.saturating_add(rows).min(height);
             let push = EyePush {
                 scene: scene.address(),
                 camera: self.camera.address(),
-                first: film.first_address(),
+                first,
                 emission,
                 found,
                 counts: scratch.counts.address(),
@@ -263,7 +267,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
                 start_row,
                 end_row,
                 max_bounces: self.max_bounces,
-                padding: 0,
+                samples: pass.samples,
             };
             let tiles_down = (end_row - start_row).div_ceil(1 << tile_rows);
             let tiles = u64::from(view.width.div_ceil(32 >> tile_rows)) * u64::from(tiles_down);

@@ -238,7 +238,8 @@ impl FinalGather<Vulkan> for VulkanGather {
             film::errors::accumulate_gathered(on, film, queries, &errors.queries)?;
             self.errors = Some(errors);
         }
-        film::accumulate_values(on, film, Layer::Indirect, queries)
+        let pass = film.layer_address(on, Layer::Indirect)?;
+        film::accumulate_values(on, film, pass, queries, 1)
     }
 
     fn truncated(&mut self, on: &mut Vulkan) -> Result<u64> {

@@ -14,7 +14,7 @@ use crate::scene::WITH_TABLES;
 fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec<(&'static str, Features)> {
     let mut on = Vulkan::for_tests().unwrap();
     let view = View { camera: scene.camera(None, 8, 8).unwrap(), width: 8, height: 8 };
-    let pass = Pass { seed: 1, index: 0, random: RandomKind::Counter, sample: 0 };
+    let pass = Pass { seed: 1, index: 0, random: RandomKind::Counter, sample: 0, samples: 1 };
     let prepared = on.prepare(&scene.view(), required).unwrap();
     let mut stages = on.stages(required, settings).unwrap();
     let mut rays = on.alloc::<PhotonRay>("rays", 500).unwrap();

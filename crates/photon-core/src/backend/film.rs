@@ -62,6 +62,15 @@ pub trait FilmBackend: Backend {
         Err(no_errors())
     }
 
+    /// Adds what the stages of the camera have left of `samples` camera samples that were traced together
+    /// ([`crate::TransportBackend::samples_together`]) to the current pass, one after another. Not called with one sample.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`].
+    fn add_samples(&mut self, _film: &mut Self::Film, _samples: u32) -> Result<()> {
+        Ok(())
+    }
+
     /// Divides the light that the current pass has added to `layers` by the number of its camera samples, which has added to them
     /// that often. From now on, each pass of the film counts so many camera paths of a pixel. Not called with one sample.
     ///

@@ -119,6 +119,12 @@ pub trait TransportBackend: FilmBackend {
         1 << 18
     }
 
+    /// Number of camera samples of a picture of so many pixels that are traced together: as many as keep the device busy. The
+    /// result does not depend on it.
+    fn samples_together(&self, _pixels: u64) -> u32 {
+        1
+    }
+
     /// Upper bounds of the memory in use at the peak of a pass, if maps store photons in `photon_format`.
     fn costs(&self, photon_format: PhotonFormat) -> Costs {
         // As stored, and as arranged for searching.

@@ -16,8 +16,9 @@ impl<B: TransportBackend> Pipeline<B> {
         if samples < 2 {
             return Ok(None);
         }
-        for sample in 1..samples {
-            self.camera_sample(Pass { sample, ..Pass::new(&self.settings, index) })?;
+        let most = self.together.min(samples - 1);
+        for first in (1..samples).step_by(most as usize) {
+            self.camera_samples(index, first, most.min(samples - first))?;
         }
         self.on.mark(Some(Stage::Film));
         let averaged: &[Layer] = match self.settings.direct {
@@ -29,8 +30,49 @@ impl<B: TransportBackend> Pipeline<B> {
         self.stages.eye.truncated(&mut self.on).map(Some)
     }
 
-    /// Traces the camera paths of one sample, and their shadow rays.
-    fn camera_sample(&mut self, pass: Pass) -> Result<()> {
+    /// Traces the camera paths of `samples` samples of pass `index` together, and their shadow rays.
+    pub(super) fn camera_samples(&mut self, index: u32, sample: u32, samples: u32) -> Result<()> {
+        let pass = Pass { sample, samples, ..Pass::new(&self.settings, index) };
+        if samples == 1 {
+            return self.camera_rays(pass);
+        }
+        self.make_room(samples)?;
+        self.swap_samples();
+        let traced = self.camera_rays(pass).and_then(|()| {
+            self.on.mark(Some(Stage::Film));
+            self.on.add_samples(&mut self.film, samples)
+        });
+        self.on.mark(None);
+        self.swap_samples();
+        traced
+    }
+
+    /// Allocates queries and segments for as many camera samples, if there is less room.
+    fn make_room(&mut self, samples: u32) -> Result<()> {
+        if samples <= self.sample_room {
+            return Ok(());
+        }
+        (self.sample_room, self.sample_queries, self.sample_segments) = (0, None, None);
+        let of_one = self.on.fill(&self.queries)?.capacity;
+        self.sample_queries = Some(self.on.alloc("queries of camera samples", of_one * u64::from(samples))?);
+        if let Some(segments) = &self.segments {
+            let of_one = self.on.fill(segments)?.capacity;
+            self.sample_segments = Some(self.on.alloc("segments of camera samples", of_one * u64::from(samples))?);
+        }
+        self.sample_room = samples;
+        Ok(())
+    }
+
+    /// Exchanges the queries and segments of one camera sample for those of several, or back.
+    fn swap_samples(&mut self) {
+        if let Some(queries) = &mut self.sample_queries {
+            std::mem::swap(&mut self.queries, queries);
+            std::mem::swap(&mut self.segments, &mut self.sample_segments);
+        }
+    }
+
+    /// Traces the camera paths of the samples of `pass`, and their shadow rays.
+    fn camera_rays(&mut self, pass: Pass) -> Result<()> {
         self.on.mark(Some(Stage::Eye));
         self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
         self.direct_light(pass, pass.sample)?;

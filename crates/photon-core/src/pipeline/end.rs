@@ -34,6 +34,8 @@ impl<B: TransportBackend> Pipeline<B> {
             rays,
             maps,
             queries,
+            sample_queries,
+            sample_segments,
             reflections,
             segments,
             estimates,
@@ -42,7 +44,8 @@ impl<B: TransportBackend> Pipeline<B> {
             bandwidth,
             ..
         } = self;
-        drop((stages, film, rays, maps, queries, reflections, segments, estimates, error_moments, points, bandwidth));
+        drop((stages, film, rays, maps, queries, sample_queries, reflections, segments, sample_segments));
+        drop((estimates, error_moments, points, bandwidth));
         (on, scene)
     }
 

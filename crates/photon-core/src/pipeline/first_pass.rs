@@ -45,7 +45,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let within = Circumstances { seconds, pixels, is_gpu: on.is_gpu(), fixed };
         let begin = settings.for_first_pass(&within);
         let mut pipeline = Self::new(on, scene, view, begin.clone())?;
-        let Some(mut first) = pipeline.first_pass()? else {
+        let Some(mut first) = pipeline.first_pass(!fixed.camera_samples)? else {
             return Ok((pipeline.with_settings(scene, settings.clone())?, None));
         };
         first.seconds_left = seconds.map_or(f64::INFINITY, |seconds| seconds - begun.elapsed().as_secs_f64());
@@ -62,19 +62,22 @@ impl<B: TransportBackend> Pipeline<B> {
 
     /// Renders a pass three times, each into a film of its own: with other random numbers, and with other ones for shadow rays
     /// alone. On a GPU these are whole passes, which take milliseconds, but for rays of a query beyond a few; otherwise they have
-    /// few pixels and paths. `None` if no surface is seen.
-    fn first_pass(&mut self) -> Result<Option<FirstPass>> {
+    /// few pixels and paths. `samples`: whether there may be several camera samples, which are then timed too. `None` if no surface is
+    /// seen.
+    fn first_pass(&mut self, samples: bool) -> Result<Option<FirstPass>> {
         let (small, paths) = self.telling_size(PIXELS, PATHS);
-        let again = self.small_pass(small, paths, (1, 0))?;
-        let with_other_shadow_rays = self.small_pass(small, paths, (0, 1))?;
-        let small = self.small_pass(small, paths, (0, 0))?;
+        let again = self.small_pass(small, paths, (1, 0), false)?;
+        let with_other_shadow_rays = self.small_pass(small, paths, (0, 1), false)?;
+        let small = self.small_pass(small, paths, (0, 0), samples)?;
         let [sampled, map_noise] = noise(&small.film, &again.film, self.settings.direct);
         let [shadow_noise, _] = noise(&small.film, &with_other_shadow_rays.film, self.settings.direct);
         let shadow_rays = f64::from(self.settings.shadow_rays);
         Ok(shares(&small.film).map(|shares| FirstPass {
-            once_seconds: small.whole.total() - small.whole.shadow_rays - small.camera,
+            once_seconds: small.whole.total() - small.sample_shadow_rays - small.camera,
             camera_seconds: small.camera,
-            shadow_ray_seconds: small.whole.shadow_rays / shadow_rays,
+            shadow_ray_seconds: small.sample_shadow_rays / shadow_rays,
+            alone_seconds: small.whole.total() - small.whole.shadow_rays,
+            alone_ray_seconds: small.whole.shadow_rays / shadow_rays,
             camera_noise: (sampled - shadow_noise).max(0.0),
             shadow_noise: shadow_noise * small.shadow_rays,
             map_noise,

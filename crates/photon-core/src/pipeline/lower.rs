@@ -27,12 +27,12 @@ impl<B: TransportBackend> Pipeline<B> {
         let begun = Instant::now();
         let (small, paths) = self.telling_size(PIXELS, PATHS);
         let left = || time.saturating_sub(begun.elapsed()).as_secs_f64();
-        let small_pass = self.small_pass(small, paths, (0, 0))?;
-        let (mut timed, sample) = (small_pass.whole, small_pass.camera + small_pass.whole.shadow_rays);
+        let small_pass = self.small_pass(small, paths, (0, 0), self.settings.camera_samples > 1)?;
+        let (mut timed, sample) = (small_pass.whole, small_pass.camera + small_pass.sample_shadow_rays);
         // Many photons take longer than in proportion to few, which are in the cache.
         let more = f64::from(self.settings.photons) * (left() / 16.0 / timed.photons).min(1.0);
         if timed.total() > left() / 4.0 && more > 2.0 * f64::from(paths) {
-            timed.photons = self.small_pass(small, more as u32, (0, 0))?.whole.photons;
+            timed.photons = self.small_pass(small, more as u32, (0, 0), false)?.whole.photons;
         }
         let left = left();
         let most = (left / 2.0).max(LEAST);

@@ -53,7 +53,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let Some(estimates) = &mut self.estimates else { return Ok(FIRST_RADIUS) };
         let pass = Pass::new(&self.settings, PILOT_PASS);
         let view = reduced(self.view, PIXELS);
-        media.eye.trace_eye(&mut self.on, &self.scene, &view, pass, &mut self.film, segments)?;
+        let mut film = self.on.film(self.units, view.width, view.height)?;
+        media.eye.trace_eye(&mut self.on, &self.scene, &view, pass, &mut film, segments)?;
         // Few photons are counted inaccurately, so that more are looked for.
         let looked_for = wanted.max(8.0);
         let mut radius = FIRST_RADIUS;
@@ -73,6 +74,8 @@ impl<B: TransportBackend> Pipeline<B> {
             let (_, &mut median, _) = counts.select_nth_unstable(middle);
             radius = radii::scaled(radius, (looked_for / f64::from(median)).sqrt() as f32);
         }
+        // Memory is again reported for the film of the picture.
+        drop(film);
         self.on.abandon_pass(&mut self.film)?;
         Ok(radii::scaled(radius, (wanted / looked_for).sqrt() as f32))
     }

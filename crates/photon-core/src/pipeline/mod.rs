@@ -69,6 +69,11 @@ pub struct Pipeline<B: TransportBackend> {
     /// The memory plan before photons were counted, and its batch size, if memory is limited.
     cap: Option<(MemoryPlan, u32)>,
     queries: B::Buffer<Query>,
+    /// Most camera samples that are traced together; queries and segments of so many, once there are some.
+    together: u32,
+    sample_room: u32,
+    sample_queries: Option<B::Buffer<Query>>,
+    sample_segments: Option<B::Buffer<Query>>,
     /// Queries for the reflection of glossy surfaces, with [`crate::GlossCaustics`].
     reflections: Option<B::Buffer<Query>>,
     /// Segments in media, with [`crate::MediaStages`].
@@ -240,6 +245,11 @@ impl<B: TransportBackend> Pipeline<B> {
         let moments = if settings.errors { size_of::<ErrorMoments>() } else { 0 };
         let segment = (2 * size_of::<Query>() + size_of::<Estimate>() + moments) as u64;
         let segments = stages.media.as_ref().map_or(0, |_| u64::from(medium::segments_per_pixel(&required)));
+        let (most, place) = (on.samples_together(pixels), place_bytes(per_pixel, segments));
+        // Not at the cost of photons.
+        let fitting = settings.memory.map_or(most, |cap| (cap / 8 / (pixels * place)).min(u64::from(most)) as u32);
+        let together = fitting.max(1);
+        let of_samples = if together > 1 { pixels * u64::from(together) * place } else { 0 };
         let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);
         let plan = match settings.memory {
             Some(cap) => {
@@ -251,7 +261,8 @@ impl<B: TransportBackend> Pipeline<B> {
                 let query = costs.query + (moments + reflection) as u64;
                 // Factors on radii of each pixel, and seven words for their updates.
                 let radii = if settings.bandwidth == Bandwidth::PerPixel { size_of::<[u32; 8]>() } else { 0 };
-                let picture = pixels * (costs.pixel + (copy + radii) as u64 + per_pixel * query + segments * segment);
+                let picture = pixels * (costs.pixel + (copy + radii) as u64 + per_pixel * query + segments * segment)
+                    + of_samples;
                 Some(MemoryPlan::new(cap, tables.saturating_add(picture), &costs)?)
             }
             None => None,
@@ -304,6 +315,10 @@ impl<B: TransportBackend> Pipeline<B> {
             setup: StageTimings::default(),
             rays,
             queries,
+            together,
+            sample_room: 0,
+            sample_queries: None,
+            sample_segments: None,
             reflections,
             segments,
             estimates,
@@ -434,4 +449,10 @@ impl<B: TransportBackend> Render for Pipeline<B> {
             memory: self.on.memory(&self.scene),
         }
     }
+}
+
+/// Bytes for a pixel of camera samples that are traced together, of so many queries and segments: these as they are found and one
+/// after another, with their numbers; values; light and first surfaces.
+fn place_bytes(queries: u64, segments: u64) -> u64 {
+    2 * size_of::<Query>() as u64 * (queries + segments) + 12 * queries.max(segments) + 84
 }

@@ -1,4 +1,4 @@
-//! A pass of few pixels, paths and rays and one camera sample, which tells how long a whole one takes, and about the light in the picture.
+//! A pass of few pixels, paths and rays, which tells how long a whole one takes, and about the light in the picture.
 
 use super::Pipeline;
 use crate::backend::stages::View;
@@ -19,8 +19,10 @@ pub(super) struct SmallPass {
     pub(super) film: Film,
     /// Expected seconds of a whole pass with one camera sample.
     pub(super) whole: Seconds,
-    /// Expected seconds of the camera paths of the whole picture.
+    /// Expected seconds of the camera paths of the whole picture, and of their shadow rays, of one camera sample among
+    /// [`crate::TransportBackend::samples_together`].
     pub(super) camera: f64,
+    pub(super) sample_shadow_rays: f64,
     /// Shadow rays of a query.
     pub(super) shadow_rays: f64,
     /// Seconds of kernels that were compiled.
@@ -66,8 +68,15 @@ impl<B: TransportBackend> Pipeline<B> {
 
     /// Renders pass `index` with `paths` paths and the pixels of `small` with random numbers of its own, into a film of its own;
     /// shadow rays have those of camera sample `shadows`. Photons that are
-    /// searched for in derived radii are as many for an estimate as in a whole pass.
-    pub(super) fn small_pass(&mut self, small: View, paths: u32, (index, shadows): (u32, u32)) -> Result<SmallPass> {
+    /// searched for in derived radii are as many for an estimate as in a whole pass. With `samples`, further camera samples are
+    /// timed too; otherwise they are taken to last as long as the first.
+    pub(super) fn small_pass(
+        &mut self,
+        small: View,
+        paths: u32,
+        (index, shadows): (u32, u32),
+        samples: bool,
+    ) -> Result<SmallPass> {
         let (whole, settings) = (self.view, self.settings.clone());
         let count = |view: View| f64::from(view.width) * f64::from(view.height);
         let pixels = count(whole) / count(small);
@@ -86,7 +95,7 @@ impl<B: TransportBackend> Pipeline<B> {
             let wider = more.sqrt() as f32;
             self.maps.iter_mut().for_each(|slot| slot.radius = radii::scaled(slot.radius, wider));
         }
-        let rendered = self.rendered(paths, index, shadows);
+        let rendered = self.rendered(paths, (index, shadows), samples);
         self.maps.iter_mut().zip(before).for_each(|(slot, radius)| slot.radius = radius);
         (self.view, self.settings) = (whole, settings);
         std::mem::swap(&mut self.film, &mut film);
@@ -94,13 +103,14 @@ impl<B: TransportBackend> Pipeline<B> {
         self.recover()?;
         // Memory is again reported for the film of the picture.
         self.on.abandon_pass(&mut self.film)?;
-        let (film, seconds) = rendered?;
+        let (film, seconds, [camera, shadow_rays_of_sample, compile]) = rendered?;
         let of = |stages: &[Stage]| stages.iter().map(|&stage| seconds.get(stage)).sum::<f64>();
         let traced = of(&[Stage::Emit, Stage::Trace, Stage::Build]);
         let estimated = pixels * of(&[Stage::Estimate]);
-        let [direct, gathered] =
-            [(Stage::Direct, self.settings.shadow_rays, shadow), (Stage::Gather, self.settings.gather_rays, gather)]
-                .map(|(stage, all, few)| pixels * seconds.get(stage) * f64::from(all) / f64::from(few.max(1)));
+        let of_rays = |seconds: f64, all: u32, few: u32| pixels * seconds * f64::from(all) / f64::from(few.max(1));
+        let [direct, direct_of_sample] = [seconds.get(Stage::Direct), shadow_rays_of_sample]
+            .map(|seconds| of_rays(seconds, self.settings.shadow_rays, shadow));
+        let gathered = of_rays(seconds.get(Stage::Gather), self.settings.gather_rays, gather);
         // In a given radius, there are more photons with more paths.
         let denser = if is_fixed { more } else { 1.0 };
         Ok(SmallPass {
@@ -111,22 +121,37 @@ impl<B: TransportBackend> Pipeline<B> {
                 gather_rays: gathered * denser,
                 others: pixels * of(&[Stage::Eye, Stage::Film]) + if is_fixed { 0.0 } else { estimated },
             },
-            camera: pixels * of(&[Stage::Eye]),
+            camera: pixels * camera,
+            sample_shadow_rays: direct_of_sample,
             shadow_rays: f64::from(shadow),
-            compile: seconds.get(Stage::Compile),
+            compile,
             gather_ray: pixels * of(&[Stage::Eye, Stage::Estimate]),
         })
     }
 
-    /// Pass `index` of so many paths into the present film.
-    fn rendered(&mut self, paths: u32, index: u32, shadows: u32) -> Result<(Film, StageTimings)> {
+    /// Pass `index` of so many paths into the present film; its seconds, and those of the camera paths and shadow rays of one
+    /// sample among several, if these are asked for, and all seconds of compiling.
+    fn rendered(
+        &mut self,
+        paths: u32,
+        (index, shadows): (u32, u32),
+        samples: bool,
+    ) -> Result<(Film, StageTimings, [f64; 3])> {
         self.on.timings()?;
         let sent = self.emit_and_trace(index, paths, &mut ())?;
         let (queries, _) = self.look(index, shadows)?;
         self.estimate(index, &sent, queries)?;
         self.on.end_pass(&mut self.film)?;
         let seconds = self.on.timings()?;
-        Ok((self.on.read_film(&self.film)?, seconds))
+        let film = self.on.read_film(&self.film)?;
+        let [eye, direct, compile] = [Stage::Eye, Stage::Direct, Stage::Compile].map(|stage| seconds.get(stage));
+        if !samples || self.together == 1 {
+            return Ok((film, seconds, [eye, direct, compile]));
+        }
+        self.camera_samples(index, 1, self.together)?;
+        let several = self.on.timings()?;
+        let [eye, direct] = [Stage::Eye, Stage::Direct].map(|stage| several.get(stage) / f64::from(self.together));
+        Ok((film, seconds, [eye, direct, compile + several.get(Stage::Compile)]))
     }
 }
 

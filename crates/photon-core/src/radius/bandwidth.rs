@@ -15,7 +15,7 @@ use crate::parallel;
 use crate::radius::progressive::{inverse_radius_squared_sum, radius_squared_sum};
 
 /// Factors are first computed after this many passes, then whenever the number of passes has doubled.
-const FIRST: u32 = 8;
+pub(crate) const FIRST: u32 = 8;
 
 /// Radius factors of the pixels of a film.
 #[derive(Clone, Debug)]

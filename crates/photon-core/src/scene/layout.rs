@@ -72,7 +72,8 @@ pub struct Query {
     pub radius: f32,
     /// Unit normal on the visible side.
     pub normal: [f32; 3],
-    /// Index of the pixel that the estimate is added to, row by row from the top left.
+    /// Index of the pixel that the estimate is added to, row by row from the top left. Pixels of camera samples that are traced
+    /// together are numbered on: [`crate::Pass::samples`].
     pub pixel: u32,
     /// Factor from irradiance here to the pixel's radiance: throughput of the camera path times albedo over
     /// π. In a query for a reflection, that of the camera path times the correction of [`crate::ReflectionLobe::pack`].

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::radius::bandwidth;
 use crate::settings::preset::Preset;
 use crate::settings::{Area, Bandwidth, Direct, Estimator, Indirect, Settings};
 
@@ -107,12 +108,16 @@ pub struct FirstPass {
     pub photon_seconds: f64,
     /// The other seconds of such a pass.
     pub other_seconds: f64,
-    /// Its seconds without camera paths and shadow rays.
+    /// Its seconds without those of one camera sample among several.
     pub once_seconds: f64,
-    /// Expected seconds of one camera path for each pixel, without shadow rays.
+    /// Expected seconds of one camera path for each pixel, without shadow rays, in a sample among several.
     pub camera_seconds: f64,
-    /// Expected seconds of one shadow ray for each query.
+    /// Expected seconds of one shadow ray for each query, likewise.
     pub shadow_ray_seconds: f64,
+    /// Expected seconds of a pass with one camera sample, without shadow rays.
+    pub alone_seconds: f64,
+    /// Expected seconds of one shadow ray for each query in such a pass.
+    pub alone_ray_seconds: f64,
     /// Relative variance of a pixel by the choice of a camera path, mean over the pixels that show a surface.
     pub camera_noise: f64,
     /// Relative variance by the choice of a shadow ray.
@@ -139,11 +144,11 @@ impl FirstPass {
         let once = self.once_seconds;
         // NaN, if there is nothing to weigh: the least.
         let number = |square: f64| square.sqrt().clamp(1.0, MOST).max(1.0).round() as u32;
-        let best_rays = |seconds: f64, noise: f64| match rays {
+        let best_rays = |seconds: f64, ray: f64, noise: f64| match rays {
             Some(rays) => rays,
             None => number(seconds * shadow_noise / (ray * noise)),
         };
-        let rays_of_sample = best_rays(camera, camera_noise);
+        let rays_of_sample = best_rays(camera, ray, camera_noise);
         let sample = camera + f64::from(rays_of_sample) * ray;
         let in_time = (self.seconds_left / f64::from(Preset::Preview.passes()) - once) / sample;
         let found = match samples {
@@ -153,7 +158,8 @@ impl FirstPass {
                 number(once * noise / (sample * map_noise)).min(number(in_time.max(0.0).powi(2)))
             }
         };
-        let rays = if found > 1 { rays_of_sample } else { best_rays(once + camera, map_noise + camera_noise) };
+        let alone = || best_rays(self.alone_seconds, self.alone_ray_seconds, map_noise + camera_noise);
+        let rays = if found > 1 { rays_of_sample } else { alone() };
         (found, rays)
     }
 }
@@ -181,9 +187,10 @@ impl fmt::Display for Decision {
             Bandwidth::Shared => "shared radii",
         };
         let samples = if *camera_samples == 1 { "camera sample" } else { "camera samples" };
+        let rays = if *shadow_rays == 1 { "shadow ray" } else { "shadow rays" };
         write!(
             f,
-            "settings: {photons} paths and {camera_samples} {samples} a pass, {area}, {radii}, {shadow_rays} shadow rays"
+            "settings: {photons} paths and {camera_samples} {samples} a pass, {area}, {radii}, {shadow_rays} {rays}"
         )?;
         if *indirect == Indirect::Gather {
             write!(f, ", {gather_rays} final-gather rays")?;
@@ -223,17 +230,21 @@ impl Settings {
 
     /// Settings by the facts of the first pass with [`Settings::for_first_pass`].
     ///
-    /// Radii are those of each pixel where caustics are visible, and on a GPU everywhere. For a number of passes, there are more
-    /// shadow rays where direct light exceeds indirect light. Within a time, camera samples and shadow rays are as many as remove
-    /// most noise in it, final gathering is taken where indirect light dominates, if there is time enough for it and for compiling
-    /// its kernels, and paths are fewer if hardly a pass would fit. Decisions depend on shares of the light, but for the last
-    /// three, which depend on seconds too.
+    /// Radii are those of each pixel where caustics are visible, unless the time ends before they are updated, and on a GPU
+    /// everywhere. For a number of passes, there are more shadow rays where direct light exceeds indirect light. Within a time,
+    /// camera samples and shadow rays are as many as remove most noise in it, final gathering is taken where indirect light
+    /// dominates, if there is time enough for it and for compiling its kernels, and paths are fewer if hardly a pass would fit.
+    /// Decisions depend on shares of the light, but for those within a time, which depend on seconds too.
     #[must_use]
     pub fn for_time(&self, within: &Circumstances, first: &FirstPass) -> Self {
         let Circumstances { is_gpu, fixed, .. } = *within;
         let mut settings = self.for_first_pass(within);
         if !fixed.bandwidth {
-            settings.set_bandwidth(is_gpu || first.caustic_pixels >= CAUSTIC_PIXELS, self.errors);
+            // Before their first update they only take longer; on a GPU, so would compiling the kernels of shared radii.
+            let first_update = f64::from(bandwidth::FIRST) * (first.photon_seconds + first.other_seconds);
+            let is_updated = within.seconds.is_none() || first_update <= first.seconds_left;
+            let pays = is_gpu || (is_updated && first.caustic_pixels >= CAUSTIC_PIXELS);
+            settings.set_bandwidth(pays, self.errors);
         }
         if within.seconds.is_none() {
             if !fixed.shadow_rays && settings.direct == Direct::Nee && first.direct > first.indirect {
@@ -315,6 +326,9 @@ mod tests {
         for (first, on_cpu, on_gpu) in [
             (plain, (65_536, false, false, 1), (400_000, true, false, 1)),
             (caustics, (65_536, true, false, 1), (400_000, true, false, 1)),
+            // Eight passes take 60 s, or a little longer.
+            (FirstPass { other_seconds: 7.5, ..caustics }, (65_536, true, false, 1), (400_000, true, false, 1)),
+            (FirstPass { other_seconds: 7.6, ..caustics }, (65_536, false, false, 1), (400_000, true, false, 1)),
             (indirect, (65_536, false, true, 1), (400_000, false, true, 1)),
             (dear, (65_536, false, true, 1), (400_000, false, true, 1)),
             (FirstPass { compile_seconds: 9.0, ..dear }, (65_536, false, false, 1), (400_000, true, false, 1)),
@@ -348,7 +362,9 @@ mod tests {
         let first = |[once_seconds, camera_seconds, shadow_ray_seconds]: [f64; 3], [map, camera, shadow]: [f64; 3]| {
             let noise =
                 FirstPass { map_noise: map, camera_noise: camera, shadow_noise: shadow, ..FirstPass::default() };
-            FirstPass { once_seconds, camera_seconds, shadow_ray_seconds, seconds_left: 1e9, ..noise }
+            let (alone_seconds, alone_ray_seconds) = (once_seconds + camera_seconds, shadow_ray_seconds);
+            let alone = FirstPass { alone_seconds, alone_ray_seconds, ..noise };
+            FirstPass { once_seconds, camera_seconds, shadow_ray_seconds, seconds_left: 1e9, ..alone }
         };
         let open = |seconds, noise| found(first(seconds, noise), OPEN);
         // A sample has 4 rays and takes 8 s; its variance is 2.

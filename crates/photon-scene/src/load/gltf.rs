@@ -187,6 +187,7 @@ fn report_rest(root: &Root, report: &mut LoadReport) {
     }
     match root.animations.len() {
         0 => {}
+        1 => report.note("the file", "has an animation; the default pose is rendered"),
         count => report.note("the file", format!("has {count} animations; the default pose is rendered")),
     }
 }

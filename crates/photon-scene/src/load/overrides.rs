@@ -105,6 +105,17 @@ impl Overrides {
                 report.lines.retain(|line| line.subject != subject);
             }
         }
+        let added = self.file.quads.iter().map(|quad| quad.material.as_str());
+        let meshes =
+            scene.meshes.iter().filter_map(|mesh| Some(scene.materials.get(mesh.material.0 as usize)?.name.as_str()));
+        let met = added.chain(meshes);
+        let is_met = |name: &String| met.clone().any(|other| other == name);
+        for name in self.file.materials.keys().filter(|&name| !is_met(name)) {
+            report.note(
+                format!("material '{name}'"),
+                "has no surface, so that what the override file says of it has no effect",
+            );
+        }
         for (index, quad) in self.file.quads.iter().enumerate() {
             self.quad(index, quad, frame, scene)?;
         }

@@ -62,13 +62,13 @@ impl Overrides {
     }
 }
 
-/// The ambient medium, or thin mist as an example.
+/// The ambient medium, or mist as an example.
 fn medium(scene: &SceneBuilder) -> String {
     let example = || {
         let (low, high) = scene.bounds().unwrap_or_default();
         let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-        // A tenth of the light is scattered along the scene.
-        let scattering = if extent > 0.0 { 0.1 / extent } else { 0.1 };
+        // Two fifths of the light are scattered along the scene.
+        let scattering = if extent > 0.0 { 0.5 / extent } else { 0.5 };
         AmbientMedium::new([scattering; 3], [0.0; 3])
     };
     let medium = scene.medium.unwrap_or_else(example);

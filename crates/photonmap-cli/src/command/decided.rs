@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use photon_core::{Decision, Pipeline, Render, Settings, TransportBackend, View};
+use photon_core::{Decision, Outcome, Pipeline, Render, Settings, TransportBackend, View};
 use photon_scene::Scene;
 use serde_json::{Value, json};
 
@@ -82,20 +82,23 @@ impl Decided {
         format!("{}\nas options: {}", self.decision, self.options)
     }
 
-    /// Options for a render of this many passes, which make the same picture without `--time` and `--preset`. With a target, radii
-    /// that pixels share are adapted to it.
+    /// Options that make the same picture without `--time` and `--preset`; `None` if passes had fewer paths or rays than was
+    /// decided, or the first may be incomplete. With a target, radii that pixels share are adapted to it.
     #[must_use]
-    pub fn with_passes(&self, passes: u32) -> String {
-        let end = self.target.map_or_else(|| format!("--passes {passes}"), |target| format!("--target-error {target}"));
-        format!("{} {end}", self.options).trim_start().to_owned()
+    pub fn options(&self, outcome: &Outcome) -> Option<String> {
+        let end = self
+            .target
+            .map_or_else(|| format!("--passes {}", outcome.passes), |target| format!("--target-error {target}"));
+        let is_whole = outcome.passes > 1 || !outcome.cancelled;
+        (outcome.lowered.is_none() && is_whole).then(|| format!("{} {end}", self.options).trim_start().to_owned())
     }
 
-    /// For the report of a render of this many passes.
+    /// For the report of a render.
     #[must_use]
-    pub fn json(&self, passes: u32) -> Value {
+    pub fn json(&self, outcome: &Outcome) -> Value {
         let first = &self.decision.first;
         json!({
-            "options": self.with_passes(passes),
+            "options": self.options(outcome),
             "seconds": self.seconds,
             // Shares of the pixels, and of the light, in the first pass.
             "caustic_pixels": first.caustic_pixels,

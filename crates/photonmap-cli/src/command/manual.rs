@@ -17,13 +17,29 @@ pub struct CompletionsArgs {
     pub shell: Shell,
 }
 
+/// All commands.
+const COMMANDS: [&str; 12] = [
+    "render",
+    "map",
+    "scenes",
+    "devices",
+    "explain",
+    "compare",
+    "export",
+    "merge",
+    "info",
+    "picture",
+    "completions",
+    "man",
+];
+
 /// Write the manual page, of the program or of one command.
 ///
 /// To read it: photonmap man > photonmap.1 && man ./photonmap.1
 #[derive(Clone, Debug, Args)]
 pub struct ManArgs {
     /// The command [default: the program as a whole].
-    #[arg(value_parser = ["render", "map", "scenes", "devices", "explain", "compare", "export", "completions", "man"])]
+    #[arg(value_parser = COMMANDS)]
     pub command: Option<String>,
 }
 
@@ -57,4 +73,16 @@ pub fn man(args: &ManArgs) -> Result<(), Fault> {
     let mut page = Vec::new();
     clap_mangen::Man::new(command).render(&mut page).map_err(Fault::failure)?;
     stdout::write(&page)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_command_has_a_page() {
+        let cli = Cli::command();
+        let names: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
+        assert_eq!(names, COMMANDS);
+    }
 }

@@ -102,11 +102,13 @@ fn hint(error: &clap::Error) -> Option<String> {
 }
 
 /// Names of options in other programs, and what to use here.
-const OTHERS: [(&[&str], &str); 6] = [
-    (&["--spp", "--samples", "-s"], "--passes N, or --time SECONDS; each pass has one sample per pixel"),
+const OTHERS: [(&[&str], &str); 8] = [
+    (&["--spp", "--samples", "-s"], "--passes N, or --time SECONDS; a pass has --camera-samples of them per pixel"),
     (&["--width", "--height", "--resolution", "-w"], "--size 512x512"),
     (&["--gpu", "--cpu", "--cuda"], "--backend vulkan or --backend cpu; `photonmap devices` lists GPUs"),
-    (&["--quiet", "-q", "--verbose", "-v"], "progress and warnings go to standard error: 2> /dev/null hides them"),
+    (&["--verbose", "-v"], "all messages are shown; --json FILE writes the details of a render"),
+    (&["--fov"], "--camera NAME, or fov_degrees of [[cameras]] in an override file"),
+    (&["--quiet", "-q"], "progress and warnings go to standard error: 2> /dev/null hides them"),
     (&["--hdri", "--envmap", "--light"], "--environment FILE.exr, or sky:30,3, or constant"),
     (&["--out", "-O"], "-o FILE.png or -o FILE.exr"),
 ];

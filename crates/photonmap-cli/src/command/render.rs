@@ -82,6 +82,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
     warnings.extend(outcome.lowered.clone());
     let facts = renderer.facts();
     settings = Settings {
+        photons: facts.photons,
         camera_samples: facts.camera_samples,
         shadow_rays: facts.shadow_rays,
         gather_rays: facts.gather_rays,
@@ -128,7 +129,12 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
         say!("memory: {:.0} MiB at the peak, of {:.0} allowed", peak as f64 / 1_048_576.0, cap as f64 / 1_048_576.0);
     }
     let (passes, paths) = (outcome.passes, renderer.facts().photons);
-    let line = format!("wrote {written}: {passes} passes of {paths} paths in {seconds_total:.1} s");
+    let each = match (passes, film.cut) {
+        (_, true) => "a part of a pass".to_owned(),
+        (1, false) => "1 pass".to_owned(),
+        (_, false) => format!("{passes} passes"),
+    };
+    let line = format!("wrote {written}: {each} of {paths} paths in {seconds_total:.1} s");
     if outcome.cancelled {
         written.keep(Err(Fault::Interrupted(format!("{line}, interrupted"))));
     } else {
@@ -290,7 +296,9 @@ fn save(
         ("photon:seconds", format!("total {:.3}, {}", details.seconds_total, seconds.join(", "))),
         ("photon:command", picture::command(std::env::args())),
     ];
-    attributes.extend(details.decided.map(|decided| ("photon:decided", decided.with_passes(passes))));
+    attributes.extend(
+        details.decided.and_then(|decided| decided.options(details.outcome)).map(|text| ("photon:decided", text)),
+    );
     let environment = details.environment.map(picture::without_folder);
     attributes.extend(environment.map(|text| ("photon:environment", text.to_owned())));
     let attributes: Vec<(String, String)> =

@@ -14,7 +14,7 @@ use crate::backend::BackendName;
 use crate::fault::Fault;
 use crate::forecast_text::{error_line, forecast_lines};
 use crate::progress::{Limit, Progress};
-use crate::watch::{Watch, Watching};
+use crate::watch::{Said, Watch, Watching};
 
 /// Checks the options, before anything is loaded: what stops a render or changes its passes must not depend on time, nor
 /// on passes that are not in the film.
@@ -165,7 +165,7 @@ pub(super) fn remaining(
         }
         if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let mut say = |text: &str| progress.borrow().say(text);
+    let mut say = |said: Said<'_>| progress.borrow().print(said);
     let mut observer = Watching { watch, inner, say: &mut say };
     let mut after_block = |film: &Film| {
         after_block(film, &progress.borrow());

@@ -13,7 +13,7 @@ use crate::command::picture;
 use crate::fault::Fault;
 use crate::forecast_text::{error_line, forecast_lines};
 use crate::progress::{Limit, Progress};
-use crate::watch::{Watch, Watching};
+use crate::watch::{Said, Watch, Watching};
 
 /// Renders passes on one device until the budget of the options is spent, or `stop` is set.
 ///
@@ -68,7 +68,7 @@ pub(super) fn run(
         }
         if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let mut say = |text: &str| progress.borrow().say(text);
+    let mut say = |said: Said<'_>| progress.borrow().print(said);
     let outcome = render(renderer, plan, &mut Watching { watch, inner, say: &mut say });
     progress.into_inner().finish();
     let outcome = outcome?;

@@ -306,7 +306,8 @@ fn decided_settings_can_be_given() {
     // Radii per pixel and more shadow rays; a preset, with what is given.
     for (scene, asked) in [("ring", &["--time", "3"][..]), ("cornell", &["--preset", "balanced", "--area", "disc"])] {
         let (found, report, said) = picture(scene, "decided", asked);
-        let options = report["decided"]["options"].as_str().unwrap();
+        // There are none where passes had to have fewer paths, on a very busy machine.
+        let options = report["decided"]["options"].as_str().unwrap_or_else(|| panic!("{said}"));
         assert!(said.contains(options.split_once(" --passes").unwrap().0), "{said}");
         let (again, report, _) =
             picture(scene, "given", &options.split(' ').chain(asked[2..].iter().copied()).collect::<Vec<_>>());

@@ -79,8 +79,13 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
         let (mut walls, mut timings, mut stored) = (Vec::new(), Vec::new(), [0; 2]);
         for repeat in 0..warm_ups + repeats {
             let begun = Instant::now();
-            let pass =
-                |index| Pass { seed: experiment.settings.seed, index, random: experiment.settings.random, sample: 0 };
+            let pass = |index| Pass {
+                seed: experiment.settings.seed,
+                index,
+                random: experiment.settings.random,
+                sample: 0,
+                samples: 1,
+            };
             if experiment.together {
                 let [caustic, global] = &mut lanes;
                 self.fill(&mut stages, pass(0), global.paths, &mut rays, [&mut caustic.photons, &mut global.photons])?;
@@ -180,8 +185,13 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
         let capacity = u64::from(paths) * 16;
         let mut caustic = Some(self.on.alloc::<Photon>("photons", capacity)?);
         let mut global = Some(self.on.alloc::<Photon>("photons", capacity)?);
-        let pass =
-            Pass { seed: experiment.settings.seed, index: 2, random: photon_core::RandomKind::Counter, sample: 0 };
+        let pass = Pass {
+            seed: experiment.settings.seed,
+            index: 2,
+            random: photon_core::RandomKind::Counter,
+            sample: 0,
+            samples: 1,
+        };
         self.fill(&mut stages, pass, paths, &mut rays, [&mut caustic, &mut global])?;
         match (caustic, global) {
             (Some(caustic), Some(global)) => Ok([caustic, global]),

@@ -7,8 +7,9 @@ use crate::scene::layout::Query;
 
 /// Traces camera paths to the first diffuse surface.
 pub trait EyeTracer<B: TransportBackend>: Send {
-    /// Adds the emission seen by the camera in the sample of `pass` to the film, with depth, normal and albedo, and replaces the
-    /// contents of `queries` with the visible points.
+    /// Adds the emission seen by the camera in the samples of `pass` to the film, with depth, normal and albedo, and replaces the
+    /// contents of `queries` with the visible points. Several samples are in the film after [`crate::FilmBackend::add_samples`];
+    /// the queries of one follow those of the one before, and their pixels are numbered on, as of pictures below one another.
     ///
     /// # Errors
     /// Errors of the backend.
@@ -32,7 +33,8 @@ pub trait EyeTracer<B: TransportBackend>: Send {
 
 /// Direct light by next-event estimation.
 pub trait DirectLight<B: TransportBackend>: Send {
-    /// Adds the direct light found by `shadow_rays` rays per query to [`crate::Layer::Direct`] of the film.
+    /// Adds the direct light found by `shadow_rays` rays per query to [`crate::Layer::Direct`] of the film; of several samples
+    /// as [`EyeTracer::trace_eye`].
     ///
     /// # Errors
     /// Errors of the backend.

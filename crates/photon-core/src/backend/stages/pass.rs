@@ -29,13 +29,16 @@ pub struct Pass {
     pub random: RandomKind,
     /// Camera sample of each pixel, from 0: photons, estimates and final gathering are those of sample 0.
     pub sample: u32,
+    /// Number of camera samples, from that one on, which are traced together:
+    /// [`crate::TransportBackend::samples_together`].
+    pub samples: u32,
 }
 
 impl Pass {
     /// Camera sample 0 of pass `index`.
     #[must_use]
     pub fn new(settings: &Settings, index: u32) -> Self {
-        Self { seed: settings.seed, index, random: settings.random, sample: 0 }
+        Self { seed: settings.seed, index, random: settings.random, sample: 0, samples: 1 }
     }
 }
 

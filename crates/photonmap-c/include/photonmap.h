@@ -1174,7 +1174,7 @@ PmStatus pm_map_new(const float *positions,
                     struct PmMap **map);
 
 /**
- * Finds the `k` nearest photons of each of `count` points.
+ * Finds the `k` nearest photons, above 0, of each of `count` points.
  *
  * `positions`: 3 coordinates for each point, finite. `max_radius`: photons farther away do not count; may be infinite.
  * `ids` and `squared_distances`, each of `count` times `k` elements, of which one may be NULL: rows of `k`, nearest

@@ -5,7 +5,12 @@ use crate::backend::stages::Pass;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::film::Layer;
+use crate::scene::layout::Query;
 use crate::settings::Direct;
+
+/// Labels of memory.
+const QUERIES: &str = "queries of camera samples";
+const SEGMENTS: &str = "segments of camera samples";
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Adds the other camera samples of pass `index` to the light of the first, and averages: emission seen by the camera and
@@ -52,14 +57,37 @@ impl<B: TransportBackend> Pipeline<B> {
         if samples <= self.sample_room {
             return Ok(());
         }
-        (self.sample_room, self.sample_queries, self.sample_segments) = (0, None, None);
+        self.free_samples();
         let of_one = self.on.fill(&self.queries)?.capacity;
-        self.sample_queries = Some(self.on.alloc("queries of camera samples", of_one * u64::from(samples))?);
+        self.sample_queries = Some(self.on.alloc(QUERIES, of_one * u64::from(samples))?);
         if let Some(segments) = &self.segments {
             let of_one = self.on.fill(segments)?.capacity;
-            self.sample_segments = Some(self.on.alloc("segments of camera samples", of_one * u64::from(samples))?);
+            self.sample_segments = Some(self.on.alloc(SEGMENTS, of_one * u64::from(samples))?);
         }
         self.sample_room = samples;
+        Ok(())
+    }
+
+    /// Frees the queries and segments of several samples.
+    fn free_samples(&mut self) {
+        (self.sample_room, self.sample_queries, self.sample_segments) = (0, None, None);
+    }
+
+    /// Takes other numbers of camera samples and shadow rays from now on.
+    ///
+    /// # Errors
+    /// Errors of the backend.
+    pub(super) fn set_samples(&mut self, camera_samples: u32, shadow_rays: u32) -> Result<()> {
+        (self.settings.camera_samples, self.settings.shadow_rays) = (camera_samples, shadow_rays);
+        self.asked_rays[..2].copy_from_slice(&[camera_samples, shadow_rays]);
+        if camera_samples == 1 && self.sample_room > 0 {
+            self.free_samples();
+            // So that the report of memory has them no more.
+            self.on.alloc::<Query>(QUERIES, 0)?;
+            if self.segments.is_some() {
+                self.on.alloc::<Query>(SEGMENTS, 0)?;
+            }
+        }
         Ok(())
     }
 

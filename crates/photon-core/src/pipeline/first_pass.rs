@@ -52,8 +52,7 @@ impl<B: TransportBackend> Pipeline<B> {
         let decided = settings.for_time(&within, &first);
         let Settings { camera_samples, shadow_rays, .. } = decided;
         if (Settings { camera_samples, shadow_rays, ..begin }) == decided {
-            (pipeline.settings.camera_samples, pipeline.settings.shadow_rays) = (camera_samples, shadow_rays);
-            pipeline.asked_rays[..2].copy_from_slice(&[camera_samples, shadow_rays]);
+            pipeline.set_samples(camera_samples, shadow_rays)?;
         } else {
             pipeline = pipeline.with_settings(scene, decided.clone())?;
         }

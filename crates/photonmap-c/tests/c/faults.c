@@ -410,6 +410,8 @@ static void maps(const PmScene *scene)
     TRUE(ids[0] == 0 && ids[1] == 1 && d2[1] == 1 && ids[2] == UINT32_MAX && ids[3] == UINT32_MAX && isinf(d2[3]));
     BAD(pm_map_nearest(map, bad, 1, 4, 1, ids, d2), "not finite");
     BAD(pm_map_nearest(map, points, 1, 4, NAN, ids, d2), "max_radius");
+    BAD(pm_map_nearest(map, points, 1, 0, 1, ids, d2), "k is 0");
+    BAD(pm_map_nearest(map, points, 1, 4, 1, NULL, NULL), "are NULL");
     BAD(pm_map_nearest(map, points, 3, SIZE_MAX, 1, ids, d2), "memory");
     BAD(pm_map_nearest(map, points, 1, SIZE_MAX / 2, 1, ids, d2), "memory");
     BAD(pm_map_nearest(NULL, points, 1, 4, 1, ids, d2), "map is NULL");

@@ -140,7 +140,7 @@ fn an_output_that_fails_does_not_prevent_others() {
         assert_eq!(text.lines().filter(|line| line.starts_with(&error)).count(), 1, "{name}: {text}");
     }
     assert!(!text.contains("ZipWriter"), "{text}");
-    assert!(text.contains(&format!("wrote {}: 1 passes", path("small.png"))), "{text}");
+    assert!(text.contains(&format!("wrote {}: 1 pass", path("small.png"))), "{text}");
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["passes"], 1);
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "nothing else is left");

@@ -186,7 +186,7 @@ fn what_meshes_lose_is_said_once() {
         .with("extensionsUsed", r#"["EXT_mesh_gpu_instancing"]"#);
     let (builder, report) = file.load();
     for (subject, text) in [
-        ("file", "1 animations"),
+        ("file", "an animation"),
         ("file", "EXT_mesh_gpu_instancing"),
         ("mesh 0 primitive 0", "a skin, but no JOINTS_0"),
     ] {

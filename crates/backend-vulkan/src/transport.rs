@@ -36,7 +36,7 @@ impl TransportBackend for Vulkan {
     }
 
     fn samples_together(&self, pixels: u64) -> u32 {
-        // As paths: a dispatch takes as long as its longest path.
+        // A dispatch takes as long as its longest path, however few it has.
         (u64::from(self.dispatch_limits.pixels_of_samples) / pixels).clamp(1, 64) as u32
     }
 

@@ -232,7 +232,8 @@ pub(crate) fn accumulate(
     dispatch(on, FROM_ESTIMATES, &push, length)
 }
 
-/// Adds `weight × value` of each query to its pixel in the planes `pass` of so many camera samples; the values are in the film's scratch buffer.
+/// Adds `weight × value` of each query to its pixel in the planes `pass` of so many camera samples; the values are in the
+/// film's scratch buffer.
 pub(crate) fn accumulate_values(
     on: &mut Vulkan,
     film: &mut VulkanFilm,

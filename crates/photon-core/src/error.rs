@@ -167,10 +167,12 @@ impl From<OutOfMemory> for Error {
 /// Settings that need less memory with this label, in words.
 fn remedy(label: &str) -> &'static str {
     let is_of = |names: &[&str]| names.iter().any(|name| label.contains(name));
-    match () {
-        () if is_of(&["film", "quer", "camera", "estimates"]) => "; render fewer pixels",
-        () if is_of(&["photon"]) => "; render fewer photons per pass",
-        () => "",
+    if is_of(&["film", "quer", "camera", "estimates"]) {
+        "; render fewer pixels"
+    } else if is_of(&["photon"]) {
+        "; render fewer photons per pass"
+    } else {
+        ""
     }
 }
 

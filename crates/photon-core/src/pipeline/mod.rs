@@ -246,9 +246,12 @@ impl<B: TransportBackend> Pipeline<B> {
         let segment = (2 * size_of::<Query>() + size_of::<Estimate>() + moments) as u64;
         let segments = stages.media.as_ref().map_or(0, |_| u64::from(medium::segments_per_pixel(&required)));
         let (most, place) = (on.samples_together(pixels), place_bytes(per_pixel, segments));
-        // Not at the cost of photons.
-        let fitting = settings.memory.map_or(most, |cap| (cap / 8 / (pixels * place)).min(u64::from(most)) as u32);
-        let together = fitting.max(1);
+        // Not at the cost of photons, nor where there may be one sample alone.
+        let together = match settings.memory {
+            None => most,
+            Some(_) if settings.camera_samples == 1 => 1,
+            Some(cap) => (cap / 8 / (pixels * place)).clamp(1, u64::from(most)) as u32,
+        };
         let of_samples = if together > 1 { pixels * u64::from(together) * place } else { 0 };
         let costs = irradiance::costs(&on, aimed::costs(on.costs(format), &stages), &settings);
         let plan = match settings.memory {

@@ -69,6 +69,7 @@ pub mod sheets;
 pub mod smooth_metals;
 pub mod specular_colors;
 pub mod stats;
+pub mod stopping;
 mod stripes;
 pub mod sun;
 pub mod surface_claims;
@@ -271,6 +272,9 @@ macro_rules! whole_suite {
             lens::{ l1_edge_out_of_focus, l2_in_focus, l3_invalid_lenses }
             views::{ v1_hand_filled_views_are_checked }
             blocks::{ films_of_blocks }
+            stopping::{
+                abandoned_passes_leave_no_trace, blocks_before_an_abandoned_one_are_kept, a_first_pass_may_have_fewer_samples,
+            }
             display::{ pictures_while_rendering_are_those_of_the_film }
             determinism::{
                 photons_do_not_depend_on_sharing, pictures_do_not_depend_on_threads, pictures_do_not_depend_on_batches,

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use photon_core::{Error, Photon, PhotonFormat, RayCaster, Result, SceneView, Stage, StageTimings};
+use photon_core::{Error, Photon, PhotonFormat, RayCaster, Result, SceneView, Stage, StageTimings, StopCondition};
 
 use crate::map::rows::Rows;
 
@@ -16,6 +16,7 @@ pub struct Cpu {
     pub(crate) make_caster: Option<MakeCaster>,
     pub(crate) timings: StageTimings,
     pub(crate) running: Option<(Stage, Instant)>,
+    pub(crate) stop: Stop,
     memory: Vec<(String, u64)>,
 }
 
@@ -49,7 +50,14 @@ impl Cpu {
             .thread_name(|n| format!("photon-{n}"))
             .build()
             .map_err(|source| Error::Backend { backend: "cpu: starting threads", source: Box::new(source) })?;
-        Ok(Self { pool, make_caster: None, timings: StageTimings::default(), running: None, memory: Vec::new() })
+        Ok(Self {
+            pool,
+            make_caster: None,
+            timings: StageTimings::default(),
+            running: None,
+            stop: Stop::default(),
+            memory: Vec::new(),
+        })
     }
 
     /// Uses the caller's ray caster instead of `photon_scene::Accel`. It is built once per scene, from vertices and
@@ -86,6 +94,17 @@ impl Cpu {
 
     pub(crate) fn forget_memory(&mut self) {
         self.memory.clear();
+    }
+}
+
+/// The condition under which the present pass is abandoned, if there is one.
+#[derive(Debug, Default)]
+pub(crate) struct Stop(pub(crate) Option<StopCondition>);
+
+impl Stop {
+    /// Ends a stage, on any thread, if the condition is met.
+    pub(crate) fn check(&self) -> Result<()> {
+        self.0.as_ref().map_or(Ok(()), StopCondition::check)
     }
 }
 

@@ -23,6 +23,7 @@ impl CpuFilm {
     /// has them. Rows run in parallel. Queries must be ordered by pixel.
     pub(crate) fn for_queries<S: Send>(
         &mut self,
+        on: &Cpu,
         queries: &[Query],
         scratch: impl Fn() -> Result<S, OutOfMemory> + Sync,
         work: impl Fn(&mut S, usize, &Query, &mut FilmPixel, Option<&mut ErrorPixel>) + Sync,
@@ -31,7 +32,9 @@ impl CpuFilm {
         let mut errors = self.pending_errors.chunks_mut(width as usize);
         let rows = self.pending.chunks_mut(width as usize).map(|pixels| (pixels, errors.next()));
         let rows = memory::collected(rows, "rows of the film")?;
-        rows.into_par_iter().enumerate().try_for_each(|(row, (pixels, mut errors))| {
+        let stop = &on.stop;
+        let each_row = |(row, (pixels, mut errors)): (usize, (&mut [FilmPixel], Option<&mut [ErrorPixel]>))| {
+            stop.check()?;
             let first = row as u32 * width;
             let start = queries.partition_point(|query| query.pixel < first);
             let mut scratch = scratch()?;
@@ -41,7 +44,8 @@ impl CpuFilm {
                 work(&mut scratch, index, query, pixel, errors.as_mut().and_then(|errors| errors.get_mut(column)));
             }
             Ok(())
-        })
+        };
+        on.pool.install(|| rows.into_par_iter().enumerate().try_for_each(each_row))
     }
 }
 
@@ -87,17 +91,16 @@ impl FilmBackend for Cpu {
         paths: u64,
     ) -> Result<()> {
         let estimates = estimates.as_slice();
-        self.pool.install(|| {
-            film.for_queries(
-                queries.as_slice(),
-                || Ok(()),
-                |(), index, query, pixel, _| {
-                    if let Some(estimate) = estimates.get(index) {
-                        deposit(pixel, layer, query.throughput, estimate.irradiance(paths));
-                    }
-                },
-            )
-        })
+        film.for_queries(
+            self,
+            queries.as_slice(),
+            || Ok(()),
+            |(), index, query, pixel, _| {
+                if let Some(estimate) = estimates.get(index) {
+                    deposit(pixel, layer, query.throughput, estimate.irradiance(paths));
+                }
+            },
+        )
     }
 
     fn keep_errors(&mut self, film: &mut CpuFilm) -> Result<()> {
@@ -119,19 +122,18 @@ impl FilmBackend for Cpu {
         paths: u64,
     ) -> Result<()> {
         let (queries, estimates, error_moments) = (queries.as_slice(), estimates.as_slice(), error_moments.as_slice());
-        self.pool.install(|| {
-            film.for_queries(
-                queries,
-                || Ok(()),
-                |(), index, query, _, errors| {
-                    if let (Some(errors), Some(estimate), Some(moments)) =
-                        (errors, estimates.get(index), error_moments.get(index))
-                    {
-                        errors.deposit(kind, query, estimate, moments, paths);
-                    }
-                },
-            )
-        })
+        film.for_queries(
+            self,
+            queries,
+            || Ok(()),
+            |(), index, query, _, errors| {
+                if let (Some(errors), Some(estimate), Some(moments)) =
+                    (errors, estimates.get(index), error_moments.get(index))
+                {
+                    errors.deposit(kind, query, estimate, moments, paths);
+                }
+            },
+        )
     }
 
     fn average_samples(&mut self, film: &mut CpuFilm, layers: &[Layer], samples: u32) -> Result<()> {

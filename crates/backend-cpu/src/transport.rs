@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use photon_core::{
     AimedStages, Area, Backend as _, Costs, FilmPixel, GlossCaustics, MapStages, MediaFeatures, MediaStages,
-    PhotonFormat, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stage, Stages, TransportBackend,
-    segments_per_pixel,
+    PhotonFormat, ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stage, Stages, StopCondition,
+    TransportBackend, segments_per_pixel,
 };
 use rayon::prelude::*;
 
@@ -95,6 +95,10 @@ impl TransportBackend for Cpu {
     ) -> Result<Option<AimedStages<Self>>> {
         self.note_memory("aimed photons", projection.bytes());
         Ok(Some((Box::new(CpuAimedEmitter::new(projection.clone())), Box::new(CpuTracer::aimed(settings, required)))))
+    }
+
+    fn stop_when(&mut self, condition: Option<StopCondition>) {
+        self.stop.0 = condition;
     }
 
     fn costs(&self, photon_format: PhotonFormat) -> Costs {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use photon_core::random::Domain;
 use photon_core::{
     AimedStages, Announcement, Area, Backend, GlossCaustics, MediaFeatures, MediaStages, ProjectionMap, Query,
-    Requirements, Result, SceneView, Settings, Stage, Stages, TransportBackend,
+    Requirements, Result, SceneView, Settings, Stage, Stages, StopCondition, TransportBackend,
 };
 
 use crate::device::buffer::VulkanBuffer;
@@ -38,6 +38,10 @@ impl TransportBackend for Vulkan {
     fn samples_together(&self, pixels: u64) -> u32 {
         // A dispatch takes as long as its longest path, however few it has.
         (u64::from(self.dispatch_limits.pixels_of_samples) / pixels).clamp(1, 64) as u32
+    }
+
+    fn stop_when(&mut self, condition: Option<StopCondition>) {
+        self.recorder.stop_when(condition);
     }
 
     fn prepare(&mut self, scene: &SceneView<'_>, required: &Requirements) -> Result<VulkanScene> {

@@ -31,6 +31,7 @@ pub use backend::stages::{
     EstimateParams, EyeTracer, FinalGather, GlossCaustics, IrradiancePoints, KdTreeBuilder, MapStages, Maps,
     MediaStages, Pass, RadianceEstimator, Search, Stages, Tracer, View,
 };
+pub use backend::stop::StopCondition;
 pub use backend::tally::{Fate, FixedFlux, FluxSum, Tally};
 pub use backend::{AimedStages, Backend, Fill, FilmBackend, Stage, StageTimings, TransportBackend};
 pub use error::{Error, Result};

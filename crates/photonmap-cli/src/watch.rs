@@ -7,9 +7,10 @@ mod terminal;
 mod tev;
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use photon_core::{Display, DisplayImage, Event, Film, Observer};
+use photon_core::{Display, DisplayImage, Event, Film, Observer, StopCondition};
 
 use crate::args::WatchArgs;
 use crate::command::picture::Look;
@@ -172,6 +173,8 @@ pub(crate) struct Watching<'a, F> {
     /// Receives all events, films and pictures included.
     pub(crate) inner: F,
     pub(crate) say: &'a mut dyn FnMut(Said<'_>),
+    /// The flag that ends a pass at once.
+    pub(crate) stop: &'static AtomicBool,
 }
 
 impl<F: FnMut(&Event<'_>) -> ControlFlow<()>> Observer for Watching<'_, F> {
@@ -183,6 +186,11 @@ impl<F: FnMut(&Event<'_>) -> ControlFlow<()>> Observer for Watching<'_, F> {
             self.watch.show(View::Image(image), self.say);
         }
         (self.inner)(event)
+    }
+
+    fn stop_condition(&self) -> Option<StopCondition> {
+        let stop = self.stop;
+        Some(StopCondition::new(|| stop.load(Ordering::SeqCst)))
     }
 
     fn wants_film(&mut self, passes: u32) -> bool {

@@ -42,21 +42,23 @@ impl AreaProbe<Cpu> for CpuArea {
         let has_alpha = scene.present.intersects(Features::RANDOM_SURFACES);
         let around = |query| Around { scene, pass, query, gather, has_alpha };
         on.pool.install(|| match buffers.error_moments {
-            None => estimates.for_each(|(estimates, queries)| {
+            None => estimates.try_for_each(|(estimates, queries)| {
+                on.stop.check()?;
                 for (estimate, query) in estimates.iter_mut().zip(queries) {
                     around(query).correct(estimate);
                 }
+                Ok::<(), photon_core::Error>(())
             }),
-            Some(error_moments) => {
-                estimates.zip(error_moments.data.par_chunks_mut(BLOCK)).for_each(
-                    |((estimates, queries), error_moments)| {
-                        for ((estimate, query), moments) in estimates.iter_mut().zip(queries).zip(error_moments) {
-                            around(query).correct_with_moments(estimate, moments);
-                        }
-                    },
-                );
-            }
-        });
+            Some(error_moments) => estimates.zip(error_moments.data.par_chunks_mut(BLOCK)).try_for_each(
+                |((estimates, queries), error_moments)| {
+                    on.stop.check()?;
+                    for ((estimate, query), moments) in estimates.iter_mut().zip(queries).zip(error_moments) {
+                        around(query).correct_with_moments(estimate, moments);
+                    }
+                    Ok(())
+                },
+            ),
+        })?;
         scene.check_caster()
     }
 }

@@ -41,28 +41,30 @@ impl BeamEstimator<Cpu> for CpuBeamEstimator {
         let fit = needed.min(estimates.capacity as usize);
         let Some(error_moments) = error_moments else {
             estimates.reset(needed, fit);
-            on.pool.install(|| {
+            return on.pool.install(|| {
                 let blocks = estimates.data.par_chunks_mut(BLOCK).zip(segments.data.par_chunks(BLOCK));
-                blocks.for_each(|(estimates, segments)| {
+                blocks.try_for_each(|(estimates, segments)| {
+                    on.stop.check()?;
                     for (estimate, query) in estimates.iter_mut().zip(segments) {
                         (*estimate, _) = photons.along::<false>(scene, query, params);
                     }
-                });
+                    Ok(())
+                })
             });
-            return Ok(());
         };
         let fit = fit.min(error_moments.capacity as usize);
         estimates.reset(needed, fit);
         error_moments.reset(needed, fit);
         on.pool.install(|| {
             let out = estimates.data.par_chunks_mut(BLOCK).zip(error_moments.data.par_chunks_mut(BLOCK));
-            out.zip(segments.data.par_chunks(BLOCK)).for_each(|((estimates, error_moments), segments)| {
+            out.zip(segments.data.par_chunks(BLOCK)).try_for_each(|((estimates, error_moments), segments)| {
+                on.stop.check()?;
                 for ((estimate, moments), query) in estimates.iter_mut().zip(error_moments).zip(segments) {
                     (*estimate, *moments) = photons.along::<true>(scene, query, params);
                 }
-            });
-        });
-        Ok(())
+                Ok(())
+            })
+        })
     }
 }
 

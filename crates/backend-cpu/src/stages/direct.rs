@@ -39,25 +39,27 @@ impl DirectLight<Cpu> for CpuDirect {
             let mut found = memory::zeroed(queries.len(), "direct light")?;
             let chunks = found.par_chunks_mut(BATCH).zip(queries.par_chunks(BATCH));
             on.pool.install(|| {
-                chunks.try_for_each(|(found, chunk)| traced_in_batch(scene, pass, chunk, shadow_rays, found))
+                chunks.try_for_each(|(found, chunk)| {
+                    on.stop.check()?;
+                    traced_in_batch(scene, pass, chunk, shadow_rays, found).map_err(photon_core::Error::from)
+                })
             })?;
             Some(found)
         } else {
             None
         };
-        on.pool.install(|| {
-            film.for_queries(
-                queries.as_slice(),
-                || Ok(()),
-                |(), index, query, pixel, _| {
-                    let irradiance = match &in_batches {
-                        Some(irradiance) => irradiance[index],
-                        None => irradiance(scene, pass, query, shadow_rays),
-                    };
-                    deposit(pixel, Layer::Direct, query.throughput, irradiance);
-                },
-            )
-        })?;
+        film.for_queries(
+            on,
+            queries.as_slice(),
+            || Ok(()),
+            |(), index, query, pixel, _| {
+                let irradiance = match &in_batches {
+                    Some(irradiance) => irradiance[index],
+                    None => irradiance(scene, pass, query, shadow_rays),
+                };
+                deposit(pixel, Layer::Direct, query.throughput, irradiance);
+            },
+        )?;
         scene.check_caster()
     }
 }

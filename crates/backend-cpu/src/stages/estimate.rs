@@ -39,6 +39,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         estimates.reset(needed, needed.min(estimates.capacity as usize));
         on.pool.install(|| {
             estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK)).try_for_each(|(out, queries)| {
+                on.stop.check()?;
                 // Neighbouring queries have similar radii, which the scratch memory remembers.
                 let mut scratch = scratch_for(map, gather)?;
                 for (estimate, query) in out.iter_mut().zip(queries) {
@@ -66,13 +67,14 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         error_moments.reset(needed, fit);
         on.pool.install(|| {
             let out = estimates.data.par_chunks_mut(BLOCK).zip(error_moments.data.par_chunks_mut(BLOCK));
-            out.zip(queries.data.par_chunks(BLOCK)).for_each(|((estimates, error_moments), queries)| {
+            out.zip(queries.data.par_chunks(BLOCK)).try_for_each(|((estimates, error_moments), queries)| {
+                on.stop.check()?;
                 for ((estimate, moments), query) in estimates.iter_mut().zip(error_moments).zip(queries) {
                     (*estimate, *moments) = estimate_with_moments_at(map, VisiblePoint::of(query, gather), gather);
                 }
-            });
-        });
-        Ok(())
+                Ok(())
+            })
+        })
     }
 
     fn neighbour_radius(

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
-use photon_core::memory::{self, OutOfMemory};
+use photon_core::memory;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
     Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,
@@ -107,6 +107,7 @@ impl EyeTracer<Cpu> for CpuEye {
         on.pool.install(|| {
             let all = film.pending.par_chunks_mut(view.width as usize).enumerate();
             let traced = all.map(|(row, pixels)| {
+                on.stop.check()?;
                 let mut found = memory::with_capacity(pixels.len(), QUERIES)?;
                 if in_batches {
                     eye_batch::trace_row(&eye, row as u32, (has_lens, reflections), pixels, &mut found)?;
@@ -124,7 +125,7 @@ impl EyeTracer<Cpu> for CpuEye {
         self.truncated = eye.truncated.into_inner() + if pass.sample == 0 { 0 } else { self.truncated };
         queries.clear();
         for row in rows {
-            let row: Result<_, OutOfMemory> = row;
+            let row: Result<_> = row;
             queries.append(&row?);
         }
         scene.check_caster()

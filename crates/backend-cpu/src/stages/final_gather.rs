@@ -54,30 +54,29 @@ impl FinalGather<Cpu> for CpuGather {
             (true, false) => follow::<true, false>,
             (false, false) => follow::<false, false>,
         };
-        on.pool.install(|| {
-            film.for_queries(
-                queries.as_slice(),
-                || scratch(maps),
-                |scratch, _, query, pixel, errors| {
-                    let key = query.path;
-                    let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
-                    let (mut sum, mut cut) = (Found::default(), 0);
-                    for ray in 0..rays {
-                        let ray = (ray, rays, errors.is_some());
-                        let found = follow(scene, maps, query, sampler, ray, (max_bounces, pass, on_surface), scratch);
-                        sum.add(&found, 1.0 / f64::from(rays));
-                        cut += u64::from(found.is_truncated);
-                    }
-                    if cut > 0 {
-                        truncated.fetch_add(cut, Ordering::Relaxed);
-                    }
-                    deposit(pixel, Layer::Indirect, query.throughput, sum.irradiance);
-                    if let Some(errors) = errors {
-                        errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
-                    }
-                },
-            )
-        })?;
+        film.for_queries(
+            on,
+            queries.as_slice(),
+            || scratch(maps),
+            |scratch, _, query, pixel, errors| {
+                let key = query.path;
+                let sampler = Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Gather, key);
+                let (mut sum, mut cut) = (Found::default(), 0);
+                for ray in 0..rays {
+                    let ray = (ray, rays, errors.is_some());
+                    let found = follow(scene, maps, query, sampler, ray, (max_bounces, pass, on_surface), scratch);
+                    sum.add(&found, 1.0 / f64::from(rays));
+                    cut += u64::from(found.is_truncated);
+                }
+                if cut > 0 {
+                    truncated.fetch_add(cut, Ordering::Relaxed);
+                }
+                deposit(pixel, Layer::Indirect, query.throughput, sum.irradiance);
+                if let Some(errors) = errors {
+                    errors.deposit_gathered(query, sum.bias, sum.narrow, sum.powers);
+                }
+            },
+        )?;
         self.truncated = truncated.into_inner();
         scene.check_caster()
     }

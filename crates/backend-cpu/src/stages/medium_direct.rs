@@ -29,16 +29,15 @@ impl DirectLight<Cpu> for CpuMediumDirect {
         shadow_rays: u32,
         film: &mut CpuFilm,
     ) -> Result<()> {
-        on.pool.install(|| {
-            film.for_queries(
-                segments.as_slice(),
-                || Ok(()),
-                |(), _, query, pixel, _| {
-                    let radiance = scattered(scene, pass, query, shadow_rays);
-                    deposit(pixel, Layer::Direct, query.throughput, radiance);
-                },
-            )
-        })?;
+        film.for_queries(
+            on,
+            segments.as_slice(),
+            || Ok(()),
+            |(), _, query, pixel, _| {
+                let radiance = scattered(scene, pass, query, shadow_rays);
+                deposit(pixel, Layer::Direct, query.throughput, radiance);
+            },
+        )?;
         scene.check_caster()
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use photon_core::Result;
+use photon_core::{Result, StopCondition};
 
 use super::logical::Device;
 use super::memory::Memory;
@@ -30,6 +30,8 @@ pub(crate) struct Recorder {
     open: Option<Recording>,
     recorded: u32,
     ordered: bool,
+    /// When no more is submitted of a pass.
+    stop: Option<StopCondition>,
     read_back: Option<Memory>,
     /// Whether the host writes parameters directly where it can.
     maps_parameters: bool,
@@ -44,6 +46,7 @@ impl Recorder {
             open: None,
             recorded: 0,
             ordered: true,
+            stop: None,
             read_back: None,
             maps_parameters: true,
         })
@@ -52,6 +55,7 @@ impl Recorder {
     /// The open command buffer, with a barrier against all earlier commands.
     pub(crate) fn commands(&mut self) -> Result<vk::CommandBuffer> {
         if self.recorded >= PILE && self.ordered {
+            self.check_stop()?;
             self.submit()?;
         }
         let commands = match &self.open {
@@ -239,6 +243,7 @@ impl Recorder {
 
     /// Submits the recorded commands and waits until everything is complete.
     pub(crate) fn wait(&mut self) -> Result<()> {
+        self.check_stop()?;
         self.submit()?;
         self.queue.wait()?;
         self.device.bury();
@@ -249,6 +254,15 @@ impl Recorder {
     #[cfg(test)]
     pub(crate) fn forget(&mut self) {
         self.open = None;
+    }
+
+    /// Lets submissions and waits end with an error when the condition is met. What has been recorded stays, and is submitted later.
+    pub(crate) fn stop_when(&mut self, condition: Option<StopCondition>) {
+        self.stop = condition;
+    }
+
+    fn check_stop(&self) -> Result<()> {
+        self.stop.as_ref().map_or(Ok(()), StopCondition::check)
     }
 
     /// Writes a timestamp when all earlier commands are complete.

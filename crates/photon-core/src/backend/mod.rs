@@ -6,11 +6,13 @@ pub mod kd_tree;
 pub(crate) mod memory;
 pub(crate) mod observer;
 pub(crate) mod stages;
+pub(crate) mod stop;
 pub(crate) mod tally;
 
 use crate::backend::announcement::Announcement;
 use crate::backend::memory::Costs;
 use crate::backend::stages::{Emitter, MapStages, Stages, Tracer};
+use crate::backend::stop::StopCondition;
 use crate::error::Result;
 use crate::projection::ProjectionMap;
 use crate::requirements::Requirements;
@@ -124,6 +126,10 @@ pub trait TransportBackend: FilmBackend {
     fn samples_together(&self, _pixels: u64) -> u32 {
         1
     }
+
+    /// Lets stages end with [`crate::Error::Cancelled`] when the condition is met, until this is called with `None`. What has
+    /// been recorded for a device may still be executed. By default stages are not interrupted.
+    fn stop_when(&mut self, _condition: Option<StopCondition>) {}
 
     /// Upper bounds of the memory in use at the peak of a pass, if maps store photons in `photon_format`.
     fn costs(&self, photon_format: PhotonFormat) -> Costs {

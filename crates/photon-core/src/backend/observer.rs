@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::backend::StageTimings;
+use crate::backend::stop::StopCondition;
 use crate::backend::tally::Tally;
 use crate::film::Film;
 use crate::film::display::{Display, DisplayImage};
@@ -22,6 +23,15 @@ pub enum Event<'a> {
         /// Paths of the pass.
         total: u32,
     },
+    /// Progress of the camera samples of the current pass, if it has several.
+    Samples {
+        /// Index of the pass, from 0.
+        pass: u32,
+        /// Samples taken so far.
+        taken: u32,
+        /// Samples of the pass.
+        total: u32,
+    },
     /// A pass was added to the film.
     PassDone(&'a PassReport),
     /// The current error estimate, and a forecast for more passes.
@@ -38,6 +48,13 @@ pub enum Event<'a> {
 pub trait Observer {
     /// [`ControlFlow::Break`] asks to stop as soon as the film is valid.
     fn on_event(&mut self, event: &Event<'_>) -> ControlFlow<()>;
+
+    /// The condition under which a pass is abandoned in the middle of a stage. [`crate::render`] and [`crate::render_blocks`] apply
+    /// it once there is a film; the first pass has fewer paths and camera samples instead, and [`crate::Render::pass`] applies it
+    /// to any pass. By default `None`: a pass is stopped after an event only.
+    fn stop_condition(&self) -> Option<StopCondition> {
+        None
+    }
 
     /// Whether to report the film as [`Event::Film`] now that it has this number of passes. Without blocks, it is copied
     /// from the device, which takes time, and memory for another film. By default false.
@@ -58,6 +75,30 @@ pub(crate) fn show(film: &Film, observer: &mut dyn Observer) -> ControlFlow<()> 
         observer.on_event(&Event::Display(&film.display(&display)))?;
     }
     if observer.wants_film(film.passes) { observer.on_event(&Event::Film(film)) } else { ControlFlow::Continue(()) }
+}
+
+/// An observer whose passes are abandoned under a condition of its own.
+pub(crate) struct Stopping<'a> {
+    pub(crate) inner: &'a mut dyn Observer,
+    pub(crate) condition: Option<StopCondition>,
+}
+
+impl Observer for Stopping<'_> {
+    fn on_event(&mut self, event: &Event<'_>) -> ControlFlow<()> {
+        self.inner.on_event(event)
+    }
+
+    fn stop_condition(&self) -> Option<StopCondition> {
+        self.condition.clone()
+    }
+
+    fn wants_film(&mut self, passes: u32) -> bool {
+        self.inner.wants_film(passes)
+    }
+
+    fn wants_display(&mut self, passes: u32) -> Option<Display> {
+        self.inner.wants_display(passes)
+    }
 }
 
 /// Ignores all events, and never stops.

@@ -2,7 +2,7 @@
 
 use std::ops::{ControlFlow, Range};
 
-use crate::backend::observer::{Event, Observer, show};
+use crate::backend::observer::{Event, Observer, Stopping, show};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::film::pass_set::PassSet;
@@ -133,7 +133,9 @@ pub fn render_blocks(
         return Ok(results);
     }
     for start in blocks.passes().step_by(blocks.grain as usize) {
-        let (block, flow) = block(renderer, start..start + blocks.grain, observer, &mut results.outcome)?;
+        let condition = observer.stop_condition().filter(|_| film.is_some());
+        let mut stopping = Stopping { inner: &mut *observer, condition };
+        let (block, flow) = block(renderer, start..start + blocks.grain, &mut stopping, &mut results.outcome)?;
         let Some(film) = add(film, block, blocks.grain, &mut results)? else { break };
         after_block(film)?;
         let end = forecast(film, &looks, observer, &mut results.outcome)?;

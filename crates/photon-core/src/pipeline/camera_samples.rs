@@ -1,6 +1,8 @@
 //! Camera samples of a pass after the first: camera paths and direct light alone.
 
 use super::Pipeline;
+use super::photons::Sent;
+use crate::backend::observer::{Event, Observer};
 use crate::backend::stages::Pass;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
@@ -14,23 +16,36 @@ const SEGMENTS: &str = "segments of camera samples";
 
 impl<B: TransportBackend> Pipeline<B> {
     /// Adds the other camera samples of pass `index` to the light of the first, and averages: emission seen by the camera and
-    /// direct light of shadow rays. What the first has read from the maps counts in full. Returns the number of camera paths of
-    /// all samples that were truncated; `None` if there is one sample.
-    pub(super) fn other_samples(&mut self, index: u32) -> Result<Option<u64>> {
-        let samples = self.settings.camera_samples;
-        if samples < 2 {
-            return Ok(None);
+    /// direct light of shadow rays. What the first has read from the maps counts in full. If the observer stops it, which cuts
+    /// the pass, there are fewer samples. Returns the number of camera paths of all samples that were truncated; `None` if there is
+    /// one sample.
+    pub(super) fn other_samples(
+        &mut self,
+        index: u32,
+        sent: &mut Sent,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<u64>> {
+        let total = self.settings.camera_samples;
+        let mut taken = 1;
+        while taken < total {
+            sent.stop |= observer.on_event(&Event::Samples { pass: index, taken, total }).is_break();
+            if sent.stop {
+                sent.cut = true;
+                break;
+            }
+            let next = self.together.min(total - taken);
+            self.camera_samples(index, taken, next)?;
+            taken += next;
         }
-        let most = self.together.min(samples - 1);
-        for first in (1..samples).step_by(most as usize) {
-            self.camera_samples(index, first, most.min(samples - first))?;
+        if taken == 1 {
+            return Ok(None);
         }
         self.on.mark(Some(Stage::Film));
         let averaged: &[Layer] = match self.settings.direct {
             Direct::Nee => &[Layer::Emission, Layer::Direct],
             Direct::Photons | Direct::None => &[Layer::Emission],
         };
-        self.on.average_samples(&mut self.film, averaged, samples)?;
+        self.on.average_samples(&mut self.film, averaged, taken)?;
         self.on.mark(None);
         self.stages.eye.truncated(&mut self.on).map(Some)
     }

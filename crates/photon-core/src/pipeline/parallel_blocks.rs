@@ -6,7 +6,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use crate::backend::observer::{Event, Observer, PassReport, show};
+use crate::backend::observer::{Event, Observer, PassReport, Stopping, show};
+use crate::backend::stop::StopCondition;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::pipeline::blocks::{BlockOutcome, Blocks, End, add, block, forecast};
@@ -51,10 +52,11 @@ fn run(
     }
     let queue = Queue::new(blocks.clone(), renderers.len());
     let (sender, messages) = channel();
+    let (condition, is_empty) = (observer.stop_condition(), film.is_none());
     thread::scope(|scope| {
         for renderer in renderers {
-            let (queue, sender) = (&queue, sender.clone());
-            scope.spawn(move || work(&mut **renderer, queue, &sender));
+            let (queue, sender, condition) = (&queue, sender.clone(), condition.clone());
+            scope.spawn(move || work(&mut **renderer, queue, &sender, (condition, is_empty)));
         }
         // The channel ends with the last of the workers.
         drop(sender);
@@ -149,6 +151,7 @@ impl Queue {
 /// What a worker reports: an event, or the result of a block.
 enum Message {
     Photons { pass: u32, traced: u32, total: u32 },
+    Samples { pass: u32, taken: u32, total: u32 },
     PassDone(Box<PassReport>),
     Warning(String),
     Block(u32, Result<Box<(Film, Outcome)>>),
@@ -165,12 +168,18 @@ impl Drop for StopOnPanic<'_> {
     }
 }
 
-/// Renders blocks until there are no more.
-fn work(renderer: &mut dyn Render, queue: &Queue, sender: &Sender<Message>) {
+/// Renders blocks until there are no more. Under the condition blocks are abandoned, but not the first one of an empty film.
+fn work(
+    renderer: &mut dyn Render,
+    queue: &Queue,
+    sender: &Sender<Message>,
+    (condition, is_empty): (Option<StopCondition>, bool),
+) {
     let _guard = StopOnPanic(queue);
     let mut observer = |event: &Event<'_>| {
         let message = match *event {
             Event::Photons { pass, traced, total } => Some(Message::Photons { pass, traced, total }),
+            Event::Samples { pass, taken, total } => Some(Message::Samples { pass, taken, total }),
             Event::PassDone(report) => Some(Message::PassDone(Box::new(report.clone()))),
             Event::Warning(text) => Some(Message::Warning(text.to_owned())),
             // There are none within blocks.
@@ -186,7 +195,9 @@ fn work(renderer: &mut dyn Render, queue: &Queue, sender: &Sender<Message>) {
         let (start, grain) = (queue.blocks.passes().start, queue.blocks.grain());
         let start = start + number * grain;
         let mut outcome = Outcome::default();
-        let result = block(renderer, start..start + grain, &mut observer, &mut outcome);
+        let condition = condition.clone().filter(|_| number > 0 || !is_empty);
+        let mut stopping = Stopping { inner: &mut observer, condition };
+        let result = block(renderer, start..start + grain, &mut stopping, &mut outcome);
         let failed = result.is_err();
         let _ = sender.send(Message::Block(number, result.map(|(film, _)| Box::new((film, outcome)))));
         if failed {
@@ -211,6 +222,7 @@ fn collect(
     for message in messages {
         let flow = match message {
             Message::Photons { pass, traced, total } => observer.on_event(&Event::Photons { pass, traced, total }),
+            Message::Samples { pass, taken, total } => observer.on_event(&Event::Samples { pass, taken, total }),
             Message::PassDone(report) => observer.on_event(&Event::PassDone(&report)),
             Message::Warning(text) => observer.on_event(&Event::Warning(&text)),
             Message::Block(number, Ok(block)) => {

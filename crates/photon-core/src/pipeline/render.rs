@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use crate::backend::observer::{Event, Observer, PassReport};
+use crate::backend::observer::{Event, Observer, PassReport, Stopping};
+use crate::backend::stop::StopCondition;
 use crate::backend::tally::Tally;
 use crate::backend::{Stage, StageTimings};
 use crate::error::{Error, Result};
@@ -108,7 +109,7 @@ pub enum PassEnd {
     Done(PassReport),
     /// The pass is in the film, and the observer asked to stop.
     Last(PassReport),
-    /// The observer stopped the pass; the film is unchanged.
+    /// The observer or its condition stopped the pass; the film is unchanged.
     Cancelled,
 }
 
@@ -207,7 +208,8 @@ const FORECAST_TIME: Duration = Duration::from_secs(1);
 
 /// Renders passes until the budget is spent or the observer asks to stop. With a limit on time, and unless a number of passes is
 /// asked for, a pass has fewer paths and rays if it would take more than half of that time ([`Render::lower`]), of which
-/// the observer gets a warning.
+/// the observer gets a warning. A pass that turns out to end more than a twentieth of the time too late is abandoned, unless it is
+/// the first.
 ///
 /// # Errors
 /// [`Error::InvalidSetting`] for an empty budget, or a target error if the renderer does not estimate
@@ -227,16 +229,24 @@ pub fn render(renderer: &mut dyn Render, plan: impl Into<Plan>, observer: &mut d
     {
         return Err(Error::Cancelled);
     }
+    let asked = observer.stop_condition();
+    let late =
+        plan.time().and_then(|time| clock.begun.checked_add(time.saturating_add(time / 20))).map(StopCondition::at);
+    let condition = match (asked.clone(), late) {
+        (Some(asked), Some(late)) => Some(asked.or(late)),
+        (asked, late) => asked.or(late),
+    };
     for index in plan.first..plan.first.saturating_add(plan.passes()) {
         if is_over(&plan, &outcome, &clock) {
             break;
         }
         clock.begin_pass();
-        let (report, flow) = match renderer.pass(index, observer)? {
+        let condition = if outcome.passes > 0 { condition.clone() } else { None };
+        let (report, flow) = match renderer.pass(index, &mut Stopping { inner: &mut *observer, condition })? {
             PassEnd::Done(report) => (report, ControlFlow::Continue(())),
             PassEnd::Last(report) => (report, ControlFlow::Break(())),
             PassEnd::Cancelled => {
-                outcome.cancelled = true;
+                outcome.cancelled = asked.as_ref().is_some_and(StopCondition::is_met) || !clock.is_over(plan.time());
                 break;
             }
         };
@@ -346,6 +356,10 @@ impl Clock {
 
     fn elapsed(&self) -> Duration {
         self.begun.elapsed()
+    }
+
+    fn is_over(&self, time: Option<Duration>) -> bool {
+        time.is_some_and(|time| self.elapsed() > time)
     }
 
     fn begin_pass(&mut self) {

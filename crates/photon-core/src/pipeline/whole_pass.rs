@@ -7,6 +7,7 @@ use crate::backend::observer::{Event, Observer, PassReport};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::{Error, Result};
 use crate::film::pass_set::PassSet;
+use crate::pipeline::photons::Sent;
 use crate::pipeline::render::PassEnd;
 use crate::radius::radii;
 use crate::requirements::map_kind::PerMap;
@@ -26,22 +27,16 @@ impl<B: TransportBackend> Pipeline<B> {
         if let Some((seed, passes)) = self.contains.overlap(&this) {
             return Err(Error::PassTwice { seed, passes });
         }
-        let sent = self.emit_and_trace(index, self.settings.photons, observer)?;
-        // If the first pass is cut short, it is a valid pass with fewer photons; a later one is discarded,
-        // since the film is valid without it.
-        if sent.cut && self.passes > 0 {
-            self.on.timings()?;
-            return Ok(PassEnd::Cancelled);
-        }
-        let seen = self.look(index, 0).and_then(|(queries, mut truncated)| {
-            let gathered = self.estimate(index, &sent, queries)?;
-            truncated = self.other_samples(index)?.unwrap_or(truncated);
-            Ok((queries, truncated + gathered))
-        });
-        let (queries, truncated_camera_paths) = match seen {
-            Ok(seen) => seen,
+        let condition = observer.stop_condition();
+        self.on.stop_when(condition.clone());
+        let made = self.light_of_pass(index, observer);
+        self.on.stop_when(None);
+        let Made { sent, queries, truncated_camera_paths } = match made {
+            Ok(Some(made)) => made,
+            // The contributions of earlier passes are kept.
+            Ok(None) => return self.abandon(),
+            Err(Error::Cancelled) if condition.is_some_and(|condition| condition.is_met()) => return self.abandon(),
             Err(error) => {
-                // The contributions of earlier passes are kept.
                 self.on.abandon_pass(&mut self.film)?;
                 return Err(error);
             }
@@ -73,4 +68,35 @@ impl<B: TransportBackend> Pipeline<B> {
         let stop = observer.on_event(&Event::PassDone(&report)) == ControlFlow::Break(()) || sent.stop;
         Ok(if stop { PassEnd::Last(report) } else { PassEnd::Done(report) })
     }
+
+    /// Photons, camera paths and estimates of a pass. `None`: the observer stopped it, and the film has other passes. If the first
+    /// pass is cut short, it is a valid pass with fewer paths or camera samples.
+    fn light_of_pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<Option<Made>> {
+        let mut sent = self.emit_and_trace(index, self.settings.photons, observer)?;
+        if sent.cut && self.passes > 0 {
+            return Ok(None);
+        }
+        let (queries, truncated) = self.look(index, 0)?;
+        let gathered = self.estimate(index, &sent, queries)?;
+        let samples = self.other_samples(index, &mut sent, observer)?;
+        if sent.cut && self.passes > 0 {
+            return Ok(None);
+        }
+        let truncated_camera_paths = samples.unwrap_or(truncated) + gathered;
+        Ok(Some(Made { sent, queries, truncated_camera_paths }))
+    }
+
+    /// Discards what was rendered of a pass.
+    fn abandon(&mut self) -> Result<PassEnd> {
+        self.on.abandon_pass(&mut self.film)?;
+        self.recover()?;
+        Ok(PassEnd::Cancelled)
+    }
+}
+
+/// A pass whose light is in the film.
+struct Made {
+    sent: Sent,
+    queries: u64,
+    truncated_camera_paths: u64,
 }

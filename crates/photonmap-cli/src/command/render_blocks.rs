@@ -127,7 +127,7 @@ pub(super) fn run(
     settings: &Settings,
     renderers: &mut [Box<dyn Render>],
     watch: &mut Watch,
-    stop: &AtomicBool,
+    stop: &'static AtomicBool,
 ) -> Result<(Outcome, Film), Fault> {
     check_memory(renderers[0].facts().photons, settings)?;
     let blocks = blocks(args, settings, settings.photons, renderers.len())?;
@@ -141,7 +141,7 @@ pub(super) fn remaining(
     renderers: &mut [Box<dyn Render>],
     blocks: &Blocks,
     film: &mut Option<Film>,
-    (watch, stop): (&mut Watch, &AtomicBool),
+    (watch, stop): (&mut Watch, &'static AtomicBool),
     mut after_block: impl FnMut(&Film, &Progress),
 ) -> photon_core::Result<BlockOutcome> {
     let passes = blocks.passes();
@@ -166,7 +166,7 @@ pub(super) fn remaining(
         if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let mut say = |said: Said<'_>| progress.borrow().print(said);
-    let mut observer = Watching { watch, inner, say: &mut say };
+    let mut observer = Watching { watch, inner, say: &mut say, stop };
     let mut after_block = |film: &Film| {
         after_block(film, &progress.borrow());
         Ok(())

@@ -40,7 +40,7 @@ pub(super) fn run(
     args: &RenderArgs,
     (scene, view, settings): (&Scene, &View, &Settings),
     renderers: &mut [Box<dyn Render>],
-    (watch, stop): (&mut Watch, &AtomicBool),
+    (watch, stop): (&mut Watch, &'static AtomicBool),
 ) -> Result<FilmOfRender, Fault> {
     let device = photon_film::device_names(renderers);
     let renderer = &mut *renderers[0];

@@ -24,7 +24,7 @@ pub(super) fn run(
     photons: u32,
     renderer: &mut dyn Render,
     started: Instant,
-    (watch, stop): (&mut Watch, &AtomicBool),
+    (watch, stop): (&mut Watch, &'static AtomicBool),
 ) -> Result<Outcome, Fault> {
     // The requested time is that of the whole program.
     let limit = args.settings.budget.time.map(|time| Duration::try_from_secs_f64(time).unwrap_or(Duration::MAX));
@@ -69,7 +69,7 @@ pub(super) fn run(
         if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let mut say = |said: Said<'_>| progress.borrow().print(said);
-    let outcome = render(renderer, plan, &mut Watching { watch, inner, say: &mut say });
+    let outcome = render(renderer, plan, &mut Watching { watch, inner, say: &mut say, stop });
     progress.into_inner().finish();
     let outcome = outcome?;
     if quick.is_some() && outcome.passes < plan.passes() && !outcome.cancelled {
@@ -139,8 +139,8 @@ mod tests {
             let look = Look { transparent: false, exposure: Exposure::Stops(0.0), tonemap: args.files.tonemap };
             let mut watch = Watch::start(&args.watch, look, "").unwrap();
             let started = Instant::now().checked_sub(Duration::from_secs(ago)).unwrap();
-            let stop = AtomicBool::new(false);
-            run(&args, 100, &mut renderer, started, (&mut watch, &stop)).unwrap().passes
+            static STOP: AtomicBool = AtomicBool::new(false);
+            run(&args, 100, &mut renderer, started, (&mut watch, &STOP)).unwrap().passes
         };
         assert_eq!(passes(&[], 10), 1);
         assert_eq!(passes(&["--passes", "4"], 10), 4);

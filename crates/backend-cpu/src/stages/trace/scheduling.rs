@@ -3,15 +3,15 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use photon_core::PhotonRay;
-use photon_core::memory::{self, OutOfMemory};
+use photon_core::memory;
+use photon_core::{PhotonRay, Result};
 use rayon::prelude::*;
 
 use super::{BLOCK, TraceOutput, Walk};
 use crate::cpu::Cpu;
 
 /// Photons and tallies of the threads, in the order of the paths.
-type Outputs = Result<Vec<TraceOutput>, OutOfMemory>;
+type Outputs = Result<Vec<TraceOutput>>;
 
 /// Label of the memory for these lists.
 const BLOCKS: &str = "blocks of photons";
@@ -33,11 +33,12 @@ pub(super) fn share_dynamically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -
     let blocks = rays.len().div_ceil(BLOCK);
     let outputs = Mutex::new(memory::with_capacity(blocks, BLOCKS)?);
     let next = AtomicUsize::new(0);
+    let stop = &on.stop;
     on.pool.broadcast(|_| {
         loop {
             let block = next.fetch_add(1, Ordering::Relaxed);
             let start = block * BLOCK;
-            if start >= rays.len() {
+            if start >= rays.len() || stop.check().is_err() {
                 break;
             }
             let output = walk.trace_all(&rays[start..(start + BLOCK).min(rays.len())]);
@@ -45,6 +46,8 @@ pub(super) fn share_dynamically(on: &Cpu, walk: &Walk<'_>, rays: &[PhotonRay]) -
         }
     });
     let mut outputs = outputs.into_inner().unwrap_or_else(PoisonError::into_inner);
+    // Some blocks may be missing.
+    stop.check()?;
     outputs.sort_unstable_by_key(|(block, _)| *block);
-    memory::collected(outputs.into_iter().map(|(_, output)| output), BLOCKS)
+    Ok(memory::collected(outputs.into_iter().map(|(_, output)| output), BLOCKS)?)
 }

@@ -150,3 +150,49 @@ fn an_error_that_nobody_tells_is_refused() {
     let budget = Budget::Error { target: 0.1, share_of_pixels: 0.95 };
     assert!(render(&mut Idle::new(false), budget, &mut ()).is_err());
 }
+
+/// A pass that waits until it is abandoned is so shortly after the time, unless it is the first, and the render was not cancelled.
+#[test]
+fn a_pass_that_takes_too_long_is_abandoned() {
+    struct Slow;
+    impl Render for Slow {
+        fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
+            let Some(condition) = observer.stop_condition() else {
+                assert_eq!(index, 0);
+                return Ok(PassEnd::Done(PassReport { index, paths: 100, ..PassReport::default() }));
+            };
+            while !condition.is_met() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            Ok(PassEnd::Cancelled)
+        }
+        fn film(&mut self) -> Result<Film> {
+            Film::new(1, 1, crate::Units::default())
+        }
+        fn take(&mut self) -> Result<Film> {
+            self.film()
+        }
+        fn facts(&self) -> Facts {
+            unreachable!("not used by these tests")
+        }
+    }
+    struct Asked(bool);
+    impl Observer for Asked {
+        fn on_event(&mut self, _: &Event<'_>) -> ControlFlow<()> {
+            ControlFlow::Continue(())
+        }
+        fn stop_condition(&self) -> Option<StopCondition> {
+            let asked = self.0;
+            Some(StopCondition::new(move || asked))
+        }
+    }
+    let time = Duration::from_millis(40);
+    for (mut observer, cancelled) in [(Asked(false), false), (Asked(true), true)] {
+        let begun = Instant::now();
+        let outcome = render(&mut Slow, Budget::Time(time), &mut observer).unwrap();
+        assert_eq!((outcome.passes, outcome.cancelled), (1, cancelled));
+        assert!(cancelled || begun.elapsed() >= time);
+    }
+    let until = Plan { most_time: Some(time), ..Budget::Passes(9).into() };
+    assert!(!render(&mut Slow, until, &mut ()).unwrap().cancelled);
+}

@@ -42,6 +42,7 @@ int main(int argc, char **argv)
     PmFilm *film = NULL;
     PmView view = {sizeof view, NULL, 96, 64};
     uint32_t done = 0;
+    float exposure;
     PmStatus status;
     char text[1000];
 
@@ -63,8 +64,9 @@ int main(int argc, char **argv)
 
     check(pm_renderer_take(renderer, &film));
     pm_renderer_free(renderer);
+    check(pm_film_exposure(film, &exposure));
     for (int i = 3; i < argc; i++)
-        check(pm_film_write(film, argv[i], 0.0f));
+        check(pm_film_write(film, argv[i], exposure));
     pm_film_free(film);
     fprintf(stderr, "\n%u passes\n", done);
     return 0;

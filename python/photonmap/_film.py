@@ -24,6 +24,8 @@ class Film:
     """
 
     def __init__(self, raw: RawFilm) -> None:
+        if not isinstance(raw, RawFilm):
+            raise InputError("films are made by rendering, or read from a file by Film.load(path)")
         self._raw = raw
 
     @classmethod

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::error::Failure;
 use crate::film::RawFilm;
-use crate::observe::{Latch, observe};
+use crate::observe::{Latch, observed};
 use crate::render::{PROGRAM, Renderer};
 
 /// Renders blocks of passes and adds them to a film, which may be that of a file. Each device of the renderer takes the next
@@ -68,11 +68,10 @@ pub(crate) fn add_blocks(
                 Some(file) => file.after_block(film, &described(info, makers, *begun), &mut raised),
                 None => Ok(()),
             };
-            let mut observer = observe(observer.as_ref(), &mut latch);
-            match renderers.as_mut_slice() {
-                [one] => render_blocks(&mut **one, &blocks, film, &mut observer, &mut after_block),
-                all => render_blocks_in_parallel(all, &blocks, film, &mut observer, &mut after_block),
-            }
+            observed(observer.as_ref(), &mut latch, |observer| match renderers.as_mut_slice() {
+                [one] => render_blocks(&mut **one, &blocks, film, observer, &mut after_block),
+                all => render_blocks_in_parallel(all, &blocks, film, observer, &mut after_block),
+            })
         };
         let info = described(&state.info, &state.makers, state.begun);
         let saved = match (&state.film, &file) {

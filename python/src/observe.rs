@@ -1,10 +1,19 @@
-//! Progress to Python, and Ctrl-C.
+//! Rendering on a thread of its own, while the thread of Python calls the observer and looks for Ctrl-C.
 
 use std::ops::ControlFlow;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::Duration;
 
-use photonmap::Event;
+use photonmap::{Event, Observer, StopCondition};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
+
+/// Time between two checks for signals.
+const INTERVAL: Duration = Duration::from_millis(50);
 
 /// What the observer of Python wants, remembered until the render has ended.
 #[derive(Default)]
@@ -13,33 +22,85 @@ pub(crate) struct Latch {
     stop: bool,
 }
 
-/// Calls the observer of Python with a kind of event, two numbers, a fraction and a text, and checks for signals such as
-/// Ctrl-C. What is raised is kept in `latch`, and the render is stopped, as it is if the observer returns `False`.
-pub(crate) fn observe<'a>(
-    observer: Option<&'a Py<PyAny>>,
-    latch: &'a mut Latch,
-) -> impl FnMut(&Event<'_>) -> ControlFlow<()> + 'a {
-    move |event| {
-        let (kind, pass, count, number, text) = match event {
-            Event::Photons { pass, traced, total } => {
-                ("photons", *pass, u64::from(*traced), f64::from(*traced) / f64::from((*total).max(1)), "")
+/// An event, as the observer of Python gets it: a kind, two numbers, a fraction and a text.
+type Told = (&'static str, u32, u64, f64, String);
+
+/// Does the work, such as a render, on a thread of its own, and calls the observer of Python on this one, which also checks for
+/// signals such as Ctrl-C. What is raised is kept in `latch`, and the render is stopped, in the middle of a pass if there is another,
+/// as it is if the observer returns `False`.
+pub(crate) fn observed<T: Send>(
+    observer: Option<&Py<PyAny>>,
+    latch: &mut Latch,
+    work: impl FnOnce(&mut dyn Observer) -> T + Send,
+) -> T {
+    let (events, inbox) = channel();
+    let (answers, outbox) = channel();
+    let stop = Arc::new(AtomicBool::new(false));
+    let mut remote = Remote { events, outbox, stop: Arc::clone(&stop) };
+    thread::scope(|scope| {
+        let worker = scope.spawn(move || work(&mut remote));
+        loop {
+            let told = inbox.recv_timeout(INTERVAL);
+            match &told {
+                // The worker has ended.
+                Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) => latch.ask(observer, None),
+                Ok(told) => latch.ask(observer, Some(told)),
             }
-            Event::PassDone(report) => ("pass", report.index, report.paths, 1.0, ""),
-            Event::Forecast(forecast) => ("error", forecast.passes, 0, forecast.error, ""),
-            Event::Warning(text) => ("warning", 0, 0, 0.0, *text),
-            _ => return ControlFlow::Continue(()),
-        };
+            stop.store(latch.stop || latch.error.is_some(), Ordering::SeqCst);
+            if told.is_ok() {
+                let _ = answers.send(());
+            }
+        }
+        worker.join().unwrap_or_else(|panic| resume_unwind(panic))
+    })
+}
+
+impl Latch {
+    /// Checks for signals, and calls the observer if there is an event.
+    fn ask(&mut self, observer: Option<&Py<PyAny>>, told: Option<&Told>) {
         let answered = Python::attach(|py| {
             py.check_signals()?;
-            let Some(observer) = observer else { return Ok(true) };
-            let answer = observer.call1(py, (kind, pass, count, number, text))?;
+            let (Some(observer), Some((kind, pass, count, number, text))) = (observer, told) else { return Ok(true) };
+            let answer = observer.call1(py, (*kind, *pass, *count, *number, text))?;
             Ok::<bool, PyErr>(!answer.bind(py).is(PyBool::new(py, false)))
         });
         match answered {
-            Ok(go_on) => latch.stop |= !go_on,
-            Err(error) if latch.error.is_none() => latch.error = Some(error),
+            Ok(go_on) => self.stop |= !go_on,
+            Err(error) if self.error.is_none() => self.error = Some(error),
             Err(_) => {}
         }
-        if latch.stop || latch.error.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// The observer on the thread of the render, which waits for that of Python.
+struct Remote {
+    events: Sender<Told>,
+    outbox: Receiver<()>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Observer for Remote {
+    fn on_event(&mut self, event: &Event<'_>) -> ControlFlow<()> {
+        let told = match event {
+            Event::Photons { pass, traced, total } => {
+                Some(("photons", *pass, u64::from(*traced), f64::from(*traced) / f64::from((*total).max(1)), ""))
+            }
+            Event::PassDone(report) => Some(("pass", report.index, report.paths, 1.0, "")),
+            Event::Forecast(forecast) => Some(("error", forecast.passes, 0, forecast.error, "")),
+            Event::Warning(text) => Some(("warning", 0, 0, 0.0, *text)),
+            _ => None,
+        };
+        if let Some((kind, pass, count, number, text)) = told
+            && self.events.send((kind, pass, count, number, text.to_owned())).is_ok()
+        {
+            let _ = self.outbox.recv();
+        }
+        if self.stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn stop_condition(&self) -> Option<StopCondition> {
+        let stop = Arc::clone(&self.stop);
+        Some(StopCondition::new(move || stop.load(Ordering::SeqCst)))
     }
 }

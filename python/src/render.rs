@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use crate::error::Failure;
 use crate::film::RawFilm;
 use crate::gpu;
-use crate::observe::{Latch, observe};
+use crate::observe::{Latch, observed};
 use crate::process::Local;
 use crate::scene::RawScene;
 use crate::settings::parse;
@@ -88,7 +88,7 @@ impl Renderer {
         let rendered = py.detach(|| {
             let mut inner = self.lock();
             let inner = &mut inner.get("this renderer")?[0];
-            let outcome = render(&mut **inner, plan, &mut observe(observer.as_ref(), &mut latch));
+            let outcome = observed(observer.as_ref(), &mut latch, |observer| render(&mut **inner, plan, observer));
             let outcome = match outcome {
                 Err(photonmap::Error::Cancelled) => {
                     let _ = inner.take();
@@ -155,8 +155,10 @@ impl Renderer {
             let inner = &mut inner.get("this renderer")?[0];
             self.check_block(&mut **inner, radii.as_deref())?;
             let mut film: Option<Film> = None;
-            let mut observer = observe(observer.as_ref(), &mut latch);
-            match render_blocks(&mut **inner, &blocks, &mut film, &mut observer, &mut |_| Ok(())) {
+            let rendered = observed(observer.as_ref(), &mut latch, |observer| {
+                render_blocks(&mut **inner, &blocks, &mut film, observer, &mut |_| Ok(()))
+            });
+            match rendered {
                 Ok(_) | Err(photonmap::Error::Cancelled) => {}
                 Err(error) => return Err(Failure::from(error)),
             }

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use photon_core::random::Domain;
 use photon_core::{
-    AimedStages, Announcement, Area, Backend, GlossCaustics, MediaFeatures, MediaStages, ProjectionMap, Query,
-    Requirements, Result, SceneView, Settings, Stage, Stages, StopCondition, TransportBackend,
+    AimedStages, Announcement, Area, Backend, GlossCaustics, MediaFeatures, MediaStages, PhotonFormat, ProjectionMap,
+    Query, Requirements, Result, SceneView, Settings, Stage, Stages, StopCondition, TransportBackend,
 };
 
 use crate::device::buffer::VulkanBuffer;
@@ -33,6 +33,11 @@ impl TransportBackend for Vulkan {
         // A batch takes as long as its longest path, however few paths it has: a GPU needs many paths at a
         // time.
         if self.limits().is_software() { 1 << 18 } else { 1 << 22 }
+    }
+
+    fn most_photons(&self) -> u64 {
+        let costs = self.costs(PhotonFormat::Full);
+        (self.limits().device_memory / 4 / costs.photon).min(self.limits().max_allocation / PhotonFormat::Full.bytes())
     }
 
     fn samples_together(&self, pixels: u64) -> u32 {

@@ -155,13 +155,14 @@ fn create(path: &Path) -> io::Result<NamedTempFile> {
 
 /// The error about a folder in which no temporary file could be made, without the name of that file.
 fn without_temporary_name(why: &io::Error, folder: &Path) -> io::Error {
-    let folder = folder.display();
+    let shown = folder.display();
     let text = match why.kind() {
-        io::ErrorKind::NotFound => format!("there is no folder {folder}"),
+        io::ErrorKind::NotFound if folder.is_dir() => format!("the system makes no files in the folder {shown}"),
+        io::ErrorKind::NotFound => format!("there is no folder {shown}"),
         _ => {
             let cause = why.get_ref().and_then(|inner| inner.source());
             let cause = cause.map_or_else(|| why.to_string(), ToString::to_string);
-            format!("no file can be made in the folder {folder}: {cause}")
+            format!("no file can be made in the folder {shown}: {cause}")
         }
     };
     io::Error::new(why.kind(), text)

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use photon_core::{ErrorTarget, Kernel, NUMERICS, Render, SceneView, Settings, Units, View, check_size};
+use photon_core::{ErrorTarget, NUMERICS, Render, SceneView, Settings, Units, View, check_size};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::camera;
 use crate::error::{FilmFileError, shown};
@@ -100,13 +101,7 @@ impl FilmKey {
     /// # Errors
     /// [`photon_core::Error::InvalidSetting`] if target or share is out of range, or errors are not estimated.
     pub fn error_target(&self, target: f64, share_of_pixels: f64) -> photon_core::Result<ErrorTarget> {
-        let setting = |name| self.settings.get(name).map_or("", String::as_str);
-        let settings = Settings {
-            errors: setting("errors") == "true",
-            alpha: setting("alpha").parse().unwrap_or(Settings::default().alpha),
-            kernel: if setting("kernel") == "Constant" { Kernel::Constant } else { Kernel::Epanechnikov },
-            ..Settings::default()
-        };
+        let settings = parsed(&self.settings).unwrap_or_default();
         ErrorTarget::new(target, share_of_pixels, &settings)
     }
 
@@ -210,76 +205,45 @@ const CAMERA_SAMPLES: &str = "camera_samples";
 /// Name of the camera among the parts.
 const CAMERA: &str = "camera";
 
-/// The settings that passes depend on, by name.
+/// Settings on which no pass depends, or that the key has elsewhere: the renderer may have fewer paths, seeds are part of the set of
+/// passes, scheduling changes no result, and a pass that exceeds memory or capacity is an error.
+const OTHERS: [&str; 5] = ["photons", "seed", "scheduling", "photon_capacity", "memory"];
+
+/// The settings that passes depend on, by name, as in a JSON file but for the quotes of texts. Numbers are read back as the same bits.
 fn entries(settings: &Settings) -> BTreeMap<String, String> {
-    // Every member by name: a new one is an error here until it is decided whether passes depend on it.
-    let Settings {
-        // The renderer may have fewer: `photons_per_pass`.
-        photons: _,
-        estimator,
-        radius_factor,
-        kernel,
-        area,
-        bandwidth,
-        // Photons are summed in the order of the data structure.
-        index,
-        direct,
-        indirect,
-        caustics,
-        caustic_photons,
-        caustic_roughness,
-        max_bounces,
-        // Part of the set of passes.
-        seed: _,
-        alpha,
-        // The result is the same.
-        scheduling: _,
-        random,
-        camera_samples,
-        shadow_rays,
-        gather_rays,
-        irradiance_every,
-        min_normal_cosine,
-        max_plane_distance,
-        // A pass that exceeds it is an error.
-        photon_capacity: _,
-        memory: _,
-        errors,
-        transparent_background,
-        terminator_offset,
-    } = settings;
-    // The debug text of a float is the shortest one that is read back as the same bits.
-    let entries: [(&str, &dyn std::fmt::Debug); 23] = [
-        ("estimator", estimator),
-        ("radius_factor", radius_factor),
-        ("kernel", kernel),
-        ("area", area),
-        ("bandwidth", bandwidth),
-        ("index", index),
-        ("direct", direct),
-        ("indirect", indirect),
-        ("caustics", caustics),
-        ("caustic_photons", caustic_photons),
-        ("caustic_roughness", caustic_roughness),
-        ("max_bounces", max_bounces),
-        ("alpha", alpha),
-        ("random", random),
-        (CAMERA_SAMPLES, camera_samples),
-        ("shadow_rays", shadow_rays),
-        ("gather_rays", gather_rays),
-        ("irradiance_every", irradiance_every),
-        ("min_normal_cosine", min_normal_cosine),
-        ("max_plane_distance", max_plane_distance),
-        ("errors", errors),
-        ("transparent_background", transparent_background),
-        ("terminator_offset", terminator_offset),
-    ];
-    entries.into_iter().map(|(name, value)| (name.to_owned(), format!("{value:?}"))).collect()
+    let Ok(Value::Object(all)) = serde_json::to_value(settings) else { return BTreeMap::new() };
+    let text = |value: Value| if let Value::String(text) = value { text } else { value.to_string() };
+    let parts = all.into_iter().filter(|(name, _)| !OTHERS.contains(&name.as_str()));
+    parts.map(|(name, value)| (name, text(value))).collect()
+}
+
+/// The settings of [`entries`]; others are the default.
+fn parsed(entries: &BTreeMap<String, String>) -> Option<Settings> {
+    let value = |text: &String| serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.clone()));
+    let all = entries.iter().map(|(name, text)| (name.clone(), value(text))).collect();
+    serde_json::from_value(Value::Object(all)).ok()
 }
 
 #[cfg(test)]
 mod tests {
+    use photon_core::{Estimator, Kernel};
+
     use super::*;
+
+    #[test]
+    fn settings_are_read_back() {
+        let estimator = Estimator::Knn { k: 60, max_radius: None };
+        let settings = Settings { estimator, alpha: 0.1 + 0.2, irradiance_every: Some(3), ..Settings::default() };
+        let entries = entries(&settings);
+        assert_eq!(parsed(&entries), Some(settings));
+        assert_eq!(
+            (entries["area"].as_str(), entries["estimator"].as_str()),
+            ("disc", r#"{"knn":{"k":60,"max_radius":null}}"#)
+        );
+        let absent =
+            OTHERS.into_iter().find(|name| serde_json::to_value(Settings::default()).unwrap().get(name).is_none());
+        assert_eq!(absent, None);
+    }
 
     #[test]
     fn targets_have_the_settings_of_the_film() {

@@ -1117,9 +1117,17 @@ PmStatus pm_film_denoise(const struct PmFilm *film,
                          size_t count);
 
 /**
+ * Copies the automatic exposure of the picture, in stops: the one that the program uses, for pm_film_write(). It brings the
+ * log-average luminance of surfaces, without the darkest and the brightest tenth, to 0.18.
+ */
+PmStatus pm_film_exposure(const struct PmFilm *film,
+                          float *stops);
+
+/**
  * Writes a picture or a film file; the ending decides. The file is replaced when it is complete. The path is UTF-8.
  *
- * .exr: all layers, linear. .png: the picture, tone-mapped, 8 bits; `exposure` in stops, finite. .film: the sums, to be
+ * .exr: all layers, linear. .png: the picture, tone-mapped, 8 bits; `exposure` in stops, finite:
+ * that of pm_film_exposure(), for example. .film: the sums, to be
  * merged or continued by the program photonmap.
  */
 PmStatus pm_film_write(const struct PmFilm *film, const char *path, float exposure);

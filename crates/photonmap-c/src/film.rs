@@ -4,6 +4,7 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use photon_image::denoise::Denoiser;
+use photon_image::exposure::{Exposure, measured};
 use photon_image::png_file::Picture;
 use photon_image::tonemap::ToneMap;
 use photon_image::{exr_file, png_file};
@@ -211,9 +212,23 @@ pub unsafe extern "C" fn pm_film_denoise(film: *const PmFilm, values: *mut f32, 
     })
 }
 
+/// Copies the automatic exposure of the picture, in stops: the one that the program uses, for pm_film_write(). It brings the
+/// log-average luminance of surfaces, without the darkest and the brightest tenth, to 0.18.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pm_film_exposure(film: *const PmFilm, stops: *mut f32) -> PmStatus {
+    call(|| {
+        // SAFETY: the caller's handle and number.
+        let (PmFilm { film, .. }, stops) =
+            unsafe { (pointer::shared(film, "film")?, pointer::array_mut(stops, 1, "stops")?) };
+        stops[0] = Exposure::Auto.stops(&measured(&film.beauty(), &film.alpha()));
+        Ok(())
+    })
+}
+
 /// Writes a picture or a film file; the ending decides. The file is replaced when it is complete. The path is UTF-8.
 ///
-/// .exr: all layers, linear. .png: the picture, tone-mapped, 8 bits; `exposure` in stops, finite. .film: the sums, to be
+/// .exr: all layers, linear. .png: the picture, tone-mapped, 8 bits; `exposure` in stops, finite:
+/// that of pm_film_exposure(), for example. .film: the sums, to be
 /// merged or continued by the program photonmap.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_film_write(film: *const PmFilm, path: *const c_char, exposure: f32) -> PmStatus {

@@ -44,6 +44,8 @@ pub struct Limits {
     pub shared_memory: u32,
     /// Largest single allocation, bytes.
     pub max_allocation: u64,
+    /// Largest memory of the device's own, bytes.
+    pub device_memory: u64,
     /// Nanoseconds per tick of a timestamp; 0 if the queue has none.
     pub timestamp_period: f64,
     /// Maximum number of iterations of all loops of an invocation together before the driver silently ends
@@ -282,6 +284,10 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
     let properties = all.properties;
     // SAFETY: likewise.
     let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
+    // SAFETY: likewise.
+    let memory = unsafe { instance.get_physical_device_memory_properties(physical) };
+    let own = |heap: &&vk::MemoryHeap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL);
+    let device_memory = memory.memory_heaps_as_slice().iter().filter(own).map(|heap| heap.size).max().unwrap_or(0);
     let stamps = families.get(family as usize).is_some_and(|family| family.timestamp_valid_bits > 0);
     let text = |name: Result<&std::ffi::CStr, std::ffi::FromBytesUntilNulError>| {
         name.map_or_else(|_| String::new(), |name| name.to_string_lossy().into_owned())
@@ -293,6 +299,7 @@ fn limits(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -
         max_workgroup: properties.limits.max_compute_work_group_invocations,
         shared_memory: properties.limits.max_compute_shared_memory_size,
         max_allocation: three.max_memory_allocation_size,
+        device_memory,
         timestamp_period: if stamps { f64::from(properties.limits.timestamp_period) } else { 0.0 },
         // Mesa's LP_MAX_TGSI_LOOP_ITERATIONS.
         loop_turns: if driver.driver_id == vk::DriverId::MESA_LLVMPIPE { 65_535 } else { 0 },

@@ -121,6 +121,12 @@ pub trait TransportBackend: FilmBackend {
         1 << 18
     }
 
+    /// Number of photons of a map up to which memory is no matter: the rule of settings asks for no more. By default as many as one
+    /// wishes.
+    fn most_photons(&self) -> u64 {
+        u64::MAX
+    }
+
     /// Number of camera samples of a picture of so many pixels that are traced together: as many as keep the device busy. The
     /// result does not depend on it.
     fn samples_together(&self, _pixels: u64) -> u32 {

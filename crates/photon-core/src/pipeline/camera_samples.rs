@@ -30,7 +30,7 @@ impl<B: TransportBackend> Pipeline<B> {
         while taken < total {
             sent.stop |= observer.on_event(&Event::Samples { pass: index, taken, total }).is_break();
             if sent.stop {
-                sent.cut = true;
+                (sent.cut, sent.lacks_samples) = (true, true);
                 break;
             }
             let next = self.together.min(total - taken);

@@ -70,7 +70,8 @@ impl<B: TransportBackend> Pipeline<B> {
         let radius = radii::given(&self.settings, &self.units);
         self.maps.iter_mut().for_each(|slot| (slot.radius, slot.derived) = (radius, None));
         self.schedule = Schedule::new(self.settings.alpha);
-        (self.passes, self.contains, self.cut, self.tally) = (0, PassSet::default(), false, FilmTally::default());
+        (self.passes, self.contains, self.tally) = (0, PassSet::default(), FilmTally::default());
+        (self.cut, self.lacks_samples) = (false, false);
         self.points = None;
         self.bandwidth = Self::own_radii(&self.settings);
         if let Some((plan, batch)) = self.cap {

@@ -48,6 +48,9 @@ impl<B: TransportBackend> Pipeline<B> {
         let Some(mut first) = pipeline.first_pass(!fixed.camera_samples)? else {
             return Ok((pipeline.with_settings(scene, settings.clone())?, None));
         };
+        let stored = pipeline.maps.iter().map(|slot| slot.capacity).max().unwrap_or(0);
+        let of_path = stored.max(1) as f64 / f64::from(begin.photons);
+        first.most_paths = Some((pipeline.on.most_photons() as f64 / of_path) as u32);
         first.seconds_left = seconds.map_or(f64::INFINITY, |seconds| seconds - begun.elapsed().as_secs_f64());
         let decided = settings.for_time(&within, &first);
         let Settings { camera_samples, shadow_rays, .. } = decided;

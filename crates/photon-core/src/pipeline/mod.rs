@@ -58,6 +58,8 @@ pub struct Pipeline<B: TransportBackend> {
     /// The passes in the film, and whether its only one was cut short.
     contains: PassSet,
     cut: bool,
+    /// Whether it has fewer camera samples than others would have.
+    lacks_samples: bool,
     /// What their photons did.
     tally: FilmTally,
     batch: u32,
@@ -313,6 +315,7 @@ impl<B: TransportBackend> Pipeline<B> {
             passes: 0,
             contains: PassSet::default(),
             cut: false,
+            lacks_samples: false,
             tally: FilmTally::default(),
             batch,
             setup: StageTimings::default(),
@@ -391,7 +394,8 @@ impl<B: TransportBackend> Render for Pipeline<B> {
         let film = self.film()?;
         self.on.clear_film(&mut self.film)?;
         self.schedule = self.schedule.without_passes();
-        (self.passes, self.contains, self.cut, self.tally) = (0, PassSet::default(), false, FilmTally::default());
+        (self.passes, self.contains, self.tally) = (0, PassSet::default(), FilmTally::default());
+        (self.cut, self.lacks_samples) = (false, false);
         Ok(film)
     }
 

@@ -20,6 +20,8 @@ pub(super) struct Sent {
     pub(super) aimed_tally: Tally,
     /// Whether the observer stopped it before all were emitted.
     pub(super) cut: bool,
+    /// Whether it was stopped between camera samples.
+    pub(super) lacks_samples: bool,
     /// Whether the observer asked to stop, perhaps after the last path.
     pub(super) stop: bool,
 }

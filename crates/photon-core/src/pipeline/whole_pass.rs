@@ -23,6 +23,13 @@ impl<B: TransportBackend> Pipeline<B> {
                 hint: "passes are numbered from 0 to 2^32 - 2",
             });
         }
+        if self.lacks_samples {
+            return Err(Error::InvalidSetting {
+                name: "pass",
+                value: "after a first one with fewer camera samples".into(),
+                hint: "take its film first: passes of a film have the same number",
+            });
+        }
         let this = PassSet::of(self.settings.seed, index..index + 1);
         if let Some((seed, passes)) = self.contains.overlap(&this) {
             return Err(Error::PassTwice { seed, passes });
@@ -47,6 +54,7 @@ impl<B: TransportBackend> Pipeline<B> {
         self.passes += 1;
         self.contains.merge(&this)?;
         self.cut |= sent.cut;
+        self.lacks_samples |= sent.lacks_samples;
         self.schedule.add(index);
         self.update_own_radii()?;
         let mut radius = PerMap::default();

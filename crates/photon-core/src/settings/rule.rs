@@ -6,11 +6,11 @@ use crate::radius::bandwidth;
 use crate::settings::preset::Preset;
 use crate::settings::{Area, Bandwidth, Direct, Estimator, Indirect, Settings};
 
-/// Paths of a pass on a CPU. With fewer, camera paths and shadow rays take most of a pass; with more, a short render has too few
-/// passes to smooth these.
+/// Paths of the first pass on a CPU, and of a number of passes. With fewer, camera paths and shadow rays take most of a pass; with
+/// more, a short render has too few passes to smooth these.
 const PATHS: u32 = 65_536;
 
-/// Paths of a pass on a GPU, which traces fewer of them in hardly less time: they would not fill its lanes.
+/// Likewise on a GPU, which traces fewer of them in hardly less time: they would not fill its lanes.
 const PATHS_OF_GPU: u32 = 400_000;
 
 /// Most paths for each pixel of a picture. The density of photons then allows radii of half a pixel, the least that are derived.
@@ -104,6 +104,8 @@ pub struct FirstPass {
     pub direct: f64,
     /// Share of light that was scattered diffusely before, likewise.
     pub indirect: f64,
+    /// Number of paths up to which memory is no matter; `None`: any.
+    pub most_paths: Option<u32>,
     /// Expected seconds of a pass of the whole picture that are proportional to its paths.
     pub photon_seconds: f64,
     /// The other seconds of such a pass.
@@ -164,6 +166,43 @@ impl FirstPass {
     }
 }
 
+impl FirstPass {
+    /// Seconds of a pass with these settings that do not belong to photons.
+    fn seconds_of_others(&self, settings: &Settings) -> f64 {
+        let [samples, rays, gather_rays] =
+            [settings.camera_samples, settings.shadow_rays, settings.gather_rays].map(f64::from);
+        let seen = if settings.camera_samples == 1 {
+            self.alone_seconds + rays * self.alone_ray_seconds
+        } else {
+            self.once_seconds + samples * (self.camera_seconds + rays * self.shadow_ray_seconds)
+        };
+        let gathered = if settings.indirect == Indirect::Gather { gather_rays * self.gather_ray_seconds } else { 0.0 };
+        (seen - self.photon_seconds).max(self.other_seconds) + gathered
+    }
+
+    /// Factor on the number of paths of a pass that is to take `each` seconds, and `others` without photons. There are fewer paths if
+    /// they do not fit; but where the rest of a pass takes longer than they do, fewer hardly help.
+    ///
+    /// On a GPU there are more, as long as they do not take longer than the rest: half as many passes with twice the paths have
+    /// smaller radii and the same noise. On a CPU, whose passes are few, noise is all that is seen.
+    fn photon_share(&self, each: f64, others: f64, is_gpu: bool) -> f64 {
+        let fewer = (each - others).max(others) / self.photon_seconds;
+        let more = if is_gpu { others.min(each - others) / self.photon_seconds } else { 1.0 };
+        match (fewer < 1.0, more >= 2.0 && more.is_finite()) {
+            (true, _) => fewer,
+            // A power of two, so that renders seldom differ.
+            (false, true) => more.log2().floor().exp2(),
+            (false, false) => 1.0,
+        }
+    }
+}
+
+/// Most paths of a pass of a picture.
+fn most_photons(within: &Circumstances) -> u32 {
+    let of_pixel = if within.is_gpu { PATHS_PER_PIXEL_OF_GPU } else { PATHS_PER_PIXEL };
+    of_pixel.saturating_mul(within.pixels).clamp(1, u64::from(u32::MAX)) as u32
+}
+
 /// Settings that were decided by the rule, and the facts. Displayed as two lines of plain text.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -208,16 +247,13 @@ impl Settings {
     /// Settings of the first pass, whose facts decide the others.
     #[must_use]
     pub fn for_first_pass(&self, within: &Circumstances) -> Self {
-        let Circumstances { pixels, is_gpu, fixed, .. } = *within;
+        let Circumstances { is_gpu, fixed, .. } = *within;
         let mut settings = self.clone();
         if !fixed.area && !matches!(settings.estimator, Estimator::Paper(_)) {
             settings.area = Area::Surface;
         }
         if !fixed.photons {
-            let (most, of_pixel) =
-                if is_gpu { (PATHS_OF_GPU, PATHS_PER_PIXEL_OF_GPU) } else { (PATHS, PATHS_PER_PIXEL) };
-            let each = of_pixel.saturating_mul(pixels).clamp(1, u64::from(u32::MAX)) as u32;
-            settings.photons = most.min(each);
+            settings.photons = most_photons(within).min(if is_gpu { PATHS_OF_GPU } else { PATHS });
         }
         if !fixed.bandwidth {
             settings.set_bandwidth(is_gpu, self.errors);
@@ -233,7 +269,8 @@ impl Settings {
     /// Radii are those of each pixel where caustics are visible, unless the time ends before they are updated, and on a GPU
     /// everywhere. For a number of passes, there are more shadow rays where direct light exceeds indirect light. Within a time,
     /// camera samples and shadow rays are as many as remove most noise in it, final gathering is taken where indirect light
-    /// dominates, if there is time enough for it and for compiling its kernels, and paths are fewer if hardly a pass would fit.
+    /// dominates, if there is time enough for it and for compiling its kernels, and paths are fewer if hardly a pass would fit, and
+    /// more on a GPU where the rest of a pass takes longer.
     /// Decisions depend on shares of the light, but for those within a time, which depend on seconds too.
     #[must_use]
     pub fn for_time(&self, within: &Circumstances, first: &FirstPass) -> Self {
@@ -252,14 +289,6 @@ impl Settings {
             }
             return settings;
         }
-        if !fixed.photons {
-            // As many passes as of a preview. Fewer paths hardly help if the rest of a pass takes longer than they do.
-            let each = first.seconds_left / f64::from(Preset::Preview.passes());
-            let for_photons = (each - first.other_seconds).max(first.other_seconds);
-            if for_photons < first.photon_seconds {
-                settings.photons = (f64::from(settings.photons) * for_photons / first.photon_seconds).max(1.0) as u32;
-            }
-        }
         let gathering = f64::from(settings.gather_rays) * first.gather_ray_seconds;
         let passes = GATHERING_PASSES * (first.photon_seconds + first.other_seconds + gathering);
         let is_enough = first.compile_seconds + passes <= first.seconds_left;
@@ -273,6 +302,16 @@ impl Settings {
         let samples = (!has_many).then_some(settings.camera_samples);
         let rays = (!has_rays).then_some(settings.shadow_rays);
         (settings.camera_samples, settings.shadow_rays) = first.samples_and_rays(samples, rays);
+        if !fixed.photons {
+            let each = if settings.indirect == Indirect::Gather {
+                (first.seconds_left - first.compile_seconds) / GATHERING_PASSES
+            } else {
+                first.seconds_left / f64::from(Preset::Preview.passes())
+            };
+            let share = first.photon_share(each, first.seconds_of_others(&settings), is_gpu);
+            let most = most_photons(within).min(first.most_paths.unwrap_or(u32::MAX)).max(settings.photons);
+            settings.photons = (f64::from(settings.photons) * share).clamp(1.0, f64::from(most)) as u32;
+        }
         settings
     }
 
@@ -330,7 +369,8 @@ mod tests {
             (FirstPass { other_seconds: 7.5, ..caustics }, (65_536, true, false, 1), (400_000, true, false, 1)),
             (FirstPass { other_seconds: 7.6, ..caustics }, (65_536, false, false, 1), (400_000, true, false, 1)),
             (indirect, (65_536, false, true, 1), (400_000, false, true, 1)),
-            (dear, (65_536, false, true, 1), (400_000, false, true, 1)),
+            // 32 passes leave a quarter of a second for more paths, which take a tenth.
+            (dear, (65_536, false, true, 1), (800_000, false, true, 1)),
             (FirstPass { compile_seconds: 9.0, ..dear }, (65_536, false, false, 1), (400_000, true, false, 1)),
         ] {
             assert_eq!(decided(first, &cpu), on_cpu, "{first:?}");
@@ -400,6 +440,40 @@ mod tests {
         assert_eq!(photons(1.5, 1.5, 0.0), 65_536);
         assert_eq!(photons(2.0, 0.5, -1.0), 16_384);
         assert_eq!(photons(0.0, 0.0, 0.0), 65_536);
+    }
+
+    #[test]
+    fn paths_are_more_on_a_gpu_whose_time_goes_elsewhere() {
+        let photons = |photon_seconds, other_seconds, seconds_left, is_gpu| {
+            let first = FirstPass { photon_seconds, other_seconds, seconds_left, ..FirstPass::default() };
+            decided(first, &within(Some(9.0), is_gpu, OPEN)).0
+        };
+        assert_eq!(photons(0.1, 0.9, 60.0, true), 8 * 400_000);
+        assert_eq!(photons(0.1, 0.9, 60.0, false), 65_536);
+        assert_eq!(photons(0.1, 0.19, 60.0, true), 400_000);
+        assert_eq!(photons(1e-9, 0.9, 60.0, true), 32 * 512 * 512);
+        let few = FirstPass {
+            most_paths: Some(500_000),
+            photon_seconds: 0.1,
+            other_seconds: 0.9,
+            seconds_left: 60.0,
+            ..FirstPass::default()
+        };
+        assert_eq!(decided(few, &within(Some(9.0), true, OPEN)).0, 500_000);
+        // Four passes still fit: 0.8 s remain of each for photons, or less than nothing.
+        assert_eq!(photons(0.1, 1.0, 7.2, true), 8 * 400_000);
+        assert_eq!(photons(0.1, 1.0, 5.0, true), 2 * 400_000);
+        assert_eq!(photons(0.1, 5.0, 8.0, true), 400_000);
+        // Time for camera samples and their shadow rays belongs to the rest: 1 + 8 samples of 0.1 + 2 · 0.05 s.
+        let first = FirstPass {
+            photon_seconds: 0.1,
+            once_seconds: 1.1,
+            camera_seconds: 0.1,
+            shadow_ray_seconds: 0.05,
+            ..FirstPass::default()
+        };
+        let settings = Settings { camera_samples: 8, shadow_rays: 2, ..Settings::default() };
+        assert!((first.seconds_of_others(&settings) - 2.6).abs() < 1e-12);
     }
 
     #[test]

@@ -266,7 +266,7 @@ static void renderers(const PmScene *scene, const char *library)
     const char *few = "{\"photons\": 500}";
     uint32_t done = 99;
     int32_t yes = 1, no = 0;
-    float values[8 * 6 * 3];
+    float stops = 99, values[8 * 6 * 3];
 
     BAD(pm_renderer_new(scene, &odd, few, NULL, &renderer), "0x6");
     odd.width = UINT32_MAX, odd.height = UINT32_MAX;
@@ -327,6 +327,10 @@ static void renderers(const PmScene *scene, const char *library)
     BAD(pm_film_info(film, &info), "sizeof(PmFilmInfo)");
     BAD(pm_film_write(film, "picture.bmp", 0), ".exr");
     BAD(pm_film_write(film, "picture.png", NAN), "exposure");
+    BAD(pm_film_exposure(NULL, &stops), "film is NULL");
+    BAD(pm_film_exposure(film, NULL), "stops is NULL");
+    OK(pm_film_exposure(film, &stops));
+    TRUE(stops > -20 && stops < 20);
     EXPECT(pm_film_write(film, "no/such/folder/a.exr", 0), PM_STATUS_FILE, "folder");
     pm_film_free(other);
     EXPECT(pm_film_load("no-such.film", &other), PM_STATUS_FILE, "no-such.film");

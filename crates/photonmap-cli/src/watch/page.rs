@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use photon_core::{Film, Layer};
+use photon_image::exposure::{Exposure, measured};
 use serde_json::json;
 
 use super::Sink;
@@ -29,6 +30,8 @@ struct State {
     height: u32,
     passes: u32,
     seconds: f64,
+    /// Automatic exposure of the picture, in stops.
+    exposure: f32,
     /// Name, and RGB of all pixels from the top left as little-endian f32.
     layers: Vec<(&'static str, Arc<[u8]>)>,
 }
@@ -50,7 +53,9 @@ impl Page {
 
 impl Sink for Page {
     fn show(&mut self, film: &Film) -> Result<Option<String>, String> {
-        let mut layers = vec![("picture", bytes(&film.beauty()))];
+        let picture = film.beauty();
+        let exposure = Exposure::Auto.stops(&measured(&picture, &film.alpha()));
+        let mut layers = vec![("picture", bytes(&picture))];
         layers.extend(Layer::ALL.map(|layer| (layer.name(), bytes(&film.layer(layer)))));
         layers.push(("albedo", bytes(&film.albedo())));
         let error: Vec<[f32; 3]> = film.standard_error().into_iter().map(|error| [error; 3]).collect();
@@ -62,7 +67,7 @@ impl Sink for Page {
         let mut state = lock(&self.state);
         (state.width, state.height, state.passes) = (film.width, film.height, film.passes);
         state.seconds = self.begun.elapsed().as_secs_f64();
-        state.layers = layers;
+        (state.exposure, state.layers) = (exposure, layers);
         Ok(None)
     }
 
@@ -97,6 +102,7 @@ fn status(state: &State) -> String {
         "height": state.height,
         "passes": state.passes,
         "seconds": state.seconds,
+        "exposure": state.exposure,
         "layers": names,
     });
     status.to_string()
@@ -135,6 +141,9 @@ mod tests {
         let found = status(&page);
         assert_eq!((&found["width"], &found["height"], &found["passes"]), (&2.into(), &1.into(), &1.into()));
         assert_eq!(found["title"], "cornell");
+        // log2(0.18 / L), with the luminance of the only pixel that is lit.
+        let expected = (0.18 / (0.2126 * 0.5 + 0.7152 + 0.0722 * 2.0) as f64).log2();
+        assert!((found["exposure"].as_f64().unwrap() - expected).abs() < 1e-6, "{found}");
         let layers = found["layers"].as_array().unwrap();
         assert!(layers.contains(&"caustic".into()) && layers.contains(&"error".into()));
         let expected: Vec<u8> =

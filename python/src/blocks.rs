@@ -1,17 +1,15 @@
 //! Blocks of passes by the devices of this process, into a film and its file.
 
-use std::ffi::CString;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use photonmap::film::{FilmInfo, Maker, save};
 use photonmap::{Blocks, Error, ErrorTarget, Film, render_blocks, render_blocks_in_parallel};
-use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
 
 use crate::error::Failure;
 use crate::film::RawFilm;
-use crate::observe::{Latch, observed};
+use crate::observe::{Latch, Remote, observed, warn};
 use crate::render::{PROGRAM, Renderer};
 
 /// Renders blocks of passes and adds them to a film, which may be that of a file. Each device of the renderer takes the next
@@ -61,16 +59,18 @@ pub(crate) fn add_blocks(
             written: Instant::now(),
             is_whole: true,
         });
-        let mut raised = None;
         let result = {
             let Sums { film, info, makers, begun } = &mut state;
-            let mut after_block = |film: &Film| match &mut file {
-                Some(file) => file.after_block(film, &described(info, makers, *begun), &mut raised),
-                None => Ok(()),
-            };
-            observed(observer.as_ref(), &mut latch, |observer| match renderers.as_mut_slice() {
-                [one] => render_blocks(&mut **one, &blocks, film, observer, &mut after_block),
-                all => render_blocks_in_parallel(all, &blocks, film, observer, &mut after_block),
+            observed(observer.as_ref(), &mut latch, |observer| {
+                let python = observer.clone();
+                let mut after_block = |film: &Film| match &mut file {
+                    Some(file) => file.after_block(film, &described(info, makers, *begun), &python),
+                    None => Ok(()),
+                };
+                match renderers.as_mut_slice() {
+                    [one] => render_blocks(&mut **one, &blocks, film, observer, &mut after_block),
+                    all => render_blocks_in_parallel(all, &blocks, film, observer, &mut after_block),
+                }
             })
         };
         let info = described(&state.info, &state.makers, state.begun);
@@ -87,7 +87,7 @@ pub(crate) fn add_blocks(
             Ok(_) | Err(Error::Cancelled) => None,
             Err(error) => Some(PyErr::from(Failure::from(error))),
         };
-        Ok::<_, Failure>((raised.or(result), saved))
+        Ok::<_, Failure>((result, saved))
     });
     let (failed, saved) = rendered?;
     // What the caller raised comes first: it is why the rest failed.
@@ -132,7 +132,7 @@ struct File {
 impl File {
     /// Writes the film if it is time. If that fails, as on a full disk, the previous file is whole, and rendering goes on after
     /// a warning, unless Python makes an exception of it.
-    fn after_block(&mut self, film: &Film, info: &FilmInfo, raised: &mut Option<PyErr>) -> photonmap::Result<()> {
+    fn after_block(&mut self, film: &Film, info: &FilmInfo, python: &Remote) -> photonmap::Result<()> {
         self.is_whole = false;
         if self.written.elapsed() < self.every {
             return Ok(());
@@ -144,15 +144,6 @@ impl File {
             return Ok(());
         };
         let text = format!("{}; rendering goes on", photon_image::fault::chain(&why));
-        Python::attach(|py| warn(py, &text)).map_err(|error| {
-            *raised = Some(error);
-            Error::Cancelled
-        })
+        python.warn(&text)
     }
-}
-
-/// A warning, at the line that called `render`.
-fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
-    let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
-    PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &text, 4)
 }

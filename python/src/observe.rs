@@ -1,14 +1,16 @@
 //! Rendering on a thread of its own, while the thread of Python calls the observer and looks for Ctrl-C.
 
+use std::ffi::CString;
 use std::ops::ControlFlow;
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-use photonmap::{Event, Observer, StopCondition};
+use photonmap::{Error, Event, Observer, StopCondition};
+use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 
@@ -25,18 +27,20 @@ pub(crate) struct Latch {
 /// An event, as the observer of Python gets it: a kind, two numbers, a fraction and a text.
 type Told = (&'static str, u32, u64, f64, String);
 
+/// Kind of the events that are warnings at the line that called `render`.
+const WARNING: &str = "checkpoint";
+
 /// Does the work, such as a render, on a thread of its own, and calls the observer of Python on this one, which also checks for
-/// signals such as Ctrl-C. What is raised is kept in `latch`, and the render is stopped, in the middle of a pass if there is another,
-/// as it is if the observer returns `False`.
+/// signals such as Ctrl-C. What is raised is kept in `latch`, and the render is stopped, in the middle of a pass if there is
+/// another, as it is if the observer returns `False`.
 pub(crate) fn observed<T: Send>(
     observer: Option<&Py<PyAny>>,
     latch: &mut Latch,
-    work: impl FnOnce(&mut dyn Observer) -> T + Send,
+    work: impl FnOnce(&mut Remote) -> T + Send,
 ) -> T {
     let (events, inbox) = channel();
-    let (answers, outbox) = channel();
     let stop = Arc::new(AtomicBool::new(false));
-    let mut remote = Remote { events, outbox, stop: Arc::clone(&stop) };
+    let mut remote = Remote { events, stop: Arc::clone(&stop) };
     thread::scope(|scope| {
         let worker = scope.spawn(move || work(&mut remote));
         loop {
@@ -45,11 +49,11 @@ pub(crate) fn observed<T: Send>(
                 // The worker has ended.
                 Err(RecvTimeoutError::Disconnected) => break,
                 Err(RecvTimeoutError::Timeout) => latch.ask(observer, None),
-                Ok(told) => latch.ask(observer, Some(told)),
+                Ok((told, _)) => latch.ask(observer, Some(told)),
             }
             stop.store(latch.stop || latch.error.is_some(), Ordering::SeqCst);
-            if told.is_ok() {
-                let _ = answers.send(());
+            if let Ok((_, answer)) = told {
+                let _ = answer.send(());
             }
         }
         worker.join().unwrap_or_else(|panic| resume_unwind(panic))
@@ -61,7 +65,11 @@ impl Latch {
     fn ask(&mut self, observer: Option<&Py<PyAny>>, told: Option<&Told>) {
         let answered = Python::attach(|py| {
             py.check_signals()?;
-            let (Some(observer), Some((kind, pass, count, number, text))) = (observer, told) else { return Ok(true) };
+            let Some((kind, pass, count, number, text)) = told else { return Ok(true) };
+            if *kind == WARNING {
+                return warn(py, text).map(|()| true);
+            }
+            let Some(observer) = observer else { return Ok(true) };
             let answer = observer.call1(py, (*kind, *pass, *count, *number, text))?;
             Ok::<bool, PyErr>(!answer.bind(py).is(PyBool::new(py, false)))
         });
@@ -74,10 +82,35 @@ impl Latch {
 }
 
 /// The observer on the thread of the render, which waits for that of Python.
-struct Remote {
-    events: Sender<Told>,
-    outbox: Receiver<()>,
+#[derive(Clone)]
+pub(crate) struct Remote {
+    events: Sender<(Told, Sender<()>)>,
     stop: Arc<AtomicBool>,
+}
+
+impl Remote {
+    /// Tells Python, and waits for its answer.
+    fn tell(&self, told: Told) {
+        let (sender, answer) = channel();
+        if self.events.send((told, sender)).is_ok() {
+            let _ = answer.recv();
+        }
+    }
+
+    /// Warns at the line that called `render`.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] if Python makes an exception of it.
+    pub(crate) fn warn(&self, text: &str) -> photonmap::Result<()> {
+        self.tell((WARNING, 0, 0, 0.0, text.to_owned()));
+        if self.stop.load(Ordering::SeqCst) { Err(Error::Cancelled) } else { Ok(()) }
+    }
+}
+
+/// Warns at the line that called `render`, on the thread of Python.
+pub(crate) fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
+    let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
+    PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &text, 4)
 }
 
 impl Observer for Remote {
@@ -91,10 +124,8 @@ impl Observer for Remote {
             Event::Warning(text) => Some(("warning", 0, 0, 0.0, *text)),
             _ => None,
         };
-        if let Some((kind, pass, count, number, text)) = told
-            && self.events.send((kind, pass, count, number, text.to_owned())).is_ok()
-        {
-            let _ = self.outbox.recv();
+        if let Some((kind, pass, count, number, text)) = told {
+            self.tell((kind, pass, count, number, text.to_owned()));
         }
         if self.stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

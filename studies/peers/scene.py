@@ -59,18 +59,26 @@ def prepare(program, name, folder):
     if name == "ring-point":
         source = str(folder / "ring-point.glb")
         run([program, "export", "ring", "-o", folder / "ring.glb"])
-        pathlib.Path(source).write_bytes(with_point_lights((folder / "ring.glb").read_bytes()))
+        pathlib.Path(source).write_bytes(edited((folder / "ring.glb").read_bytes(), with_point_lights))
     xml = folder / f"{name}.xml"
     run([program, "export", source, "--size", f"{SIZE}x{SIZE}", "-o", xml])
     return parse(xml, name, source)
 
 
-def with_point_lights(glb):
-    """The binary glTF of photonmap with point lights of the same intensity in the place of spotlights."""
+def edited(glb, edit):
+    """A binary glTF file whose JSON was changed by the function `edit`."""
     magic, _, _, length, kind = struct.unpack_from("<4sIIII", glb)
     if magic != b"glTF" or kind != 0x4E4F534A:
         raise Malformed("not a binary glTF file", "export it with `photonmap export`")
     root, rest = json.loads(glb[20 : 20 + length]), glb[20 + length :]
+    edit(root)
+    text = json.dumps(root).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<4sIIII", magic, 2, 20 + len(text) + len(rest), len(text), kind) + text + rest
+
+
+def with_point_lights(root):
+    """Puts point lights of the same intensity in the place of spotlights in the glTF of photonmap."""
     for light in root["extensions"]["KHR_lights_punctual"]["lights"]:
         if light["type"] == "spot":
             light["type"] = "point"
@@ -81,9 +89,6 @@ def with_point_lights(glb):
             exact["type"] = "point"
             for key in ("direction", "inner_angle", "outer_angle"):
                 del exact[key]
-    text = json.dumps(root).encode()
-    text += b" " * (-len(text) % 4)
-    return struct.pack("<4sIIII", magic, 2, 20 + len(text) + len(rest), len(text), kind) + text + rest
 
 
 def numbers(text):

@@ -168,14 +168,14 @@ def test_spotlights_become_point_lights():
     root["nodes"] = [{}, {"extras": {"photonmap": {"light": exact}}}]
     text = json.dumps(root).encode()
     glb = struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A) + text + b"rest"
-    found = scene.with_point_lights(glb)
+    found = scene.edited(glb, scene.with_point_lights)
     length = struct.unpack_from("<4sIIII", found)[3]
     read = json.loads(found[20 : 20 + length])
     assert read["extensions"]["KHR_lights_punctual"]["lights"] == [{"type": "point", "intensity": 2}]
     assert read["nodes"][1]["extras"]["photonmap"]["light"] == {"type": "point", "intensity": [1]}
     assert found.endswith(b"rest") and len(found) % 4 == 0
     with pytest.raises(errors.Malformed):
-        scene.with_point_lights(b"PK\3\4" + bytes(32))
+        scene.edited(b"PK\3\4" + bytes(32), scene.with_point_lights)
 
 
 def test_converters_refuse_what_they_do_not_know(tmp_path):

@@ -273,7 +273,7 @@ macro_rules! whole_suite {
             views::{ v1_hand_filled_views_are_checked }
             blocks::{ films_of_blocks }
             stopping::{
-                abandoned_passes_leave_no_trace, blocks_before_an_abandoned_one_are_kept, a_first_pass_may_have_fewer_samples,
+                abandoned_passes_leave_no_trace, films_know_their_camera_samples, blocks_before_an_abandoned_one_are_kept, a_first_pass_may_have_fewer_samples,
             }
             display::{ pictures_while_rendering_are_those_of_the_film }
             determinism::{

@@ -56,7 +56,7 @@ fn pipeline<T: TestBackend>(name: &str) -> Pipeline<T::On> {
     renderer::<T>(&scene, &settings, 12)
 }
 
-/// Wherever a pass is abandoned, the film has the passes before it, and the same pass has the same bits later.
+/// The film has the passes before an abandoned one, wherever that ends, and the same pass has the same bits later.
 pub fn abandoned_passes_leave_no_trace<T: TestBackend>() {
     for name in ["cornell-glass", "fog"] {
         let mut plain = pipeline::<T>(name);
@@ -85,6 +85,34 @@ pub fn abandoned_passes_leave_no_trace<T: TestBackend>() {
         assert!(abandoned > 5 && tests <= number, "{name}: abandoned {abandoned} times, {tests} tests");
         assert!(stopped.film().unwrap() == expected[1], "{name}: after {abandoned} abandoned passes");
     }
+}
+
+/// A later pass that is stopped between camera samples, or a first one before the second sample, leaves their number right.
+pub fn films_know_their_camera_samples<T: TestBackend>() {
+    let scene = builtin("cornell").unwrap().build().unwrap();
+    let settings = Settings { photons: 1000, camera_samples: 5, seed: 4, ..Settings::default() };
+    let mut renderer = renderer::<T>(&scene, &settings, 12);
+    let stop_at = |least: u32| {
+        move |event: &Event<'_>| match event {
+            Event::Samples { taken, .. } if *taken >= least => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    };
+    renderer.pass(0, &mut ()).unwrap();
+    let whole = renderer.film().unwrap();
+    for least in [1, 2] {
+        // Where all are traced together, no event comes after the first sample.
+        if renderer.pass(1, &mut stop_at(least)).unwrap() == PassEnd::Cancelled {
+            assert!(renderer.film().unwrap() == whole);
+        } else {
+            assert_eq!(least, 2);
+        }
+    }
+    renderer.take().unwrap();
+    assert!(matches!(renderer.pass(2, &mut stop_at(1)).unwrap(), PassEnd::Last(_)));
+    let cut = renderer.film().unwrap();
+    assert_eq!((cut.passes, cut.camera_samples), (1, 1));
+    assert!(cut.alpha().iter().all(|alpha| (0.0..=1.0).contains(alpha)));
 }
 
 /// Blocks that are in a film are kept when the next is abandoned, and the first one of an empty film is rendered.

@@ -179,7 +179,7 @@ impl FilmBackend for Cpu {
     fn clear_film(&mut self, film: &mut CpuFilm) -> Result<()> {
         film.film.pixels.fill(FilmPixel::default());
         film.film.errors.iter_mut().for_each(|errors| errors.fill(ErrorPixel::default()));
-        film.film.passes = 0;
+        (film.film.passes, film.film.camera_samples) = (0, 1);
         self.abandon_pass(film)
     }
 

@@ -340,7 +340,7 @@ pub(crate) fn clear(on: &mut Vulkan, film: &mut VulkanFilm) -> Result<()> {
         on.fill_words(&plane.sum, 0, plane.sum.bytes(), 0)?;
     }
     errors::clear_sums(on, film)?;
-    (film.passes, film.radii) = (0, None);
+    (film.passes, film.camera_samples, film.radii) = (0, 1, None);
     film.note(on);
     on.fill_words(&film.first_sum, 0, film.first_sum.bytes(), 0)
 }

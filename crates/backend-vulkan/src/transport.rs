@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use photon_core::random::Domain;
 use photon_core::{
-    AimedStages, Announcement, Area, Backend, GlossCaustics, MediaFeatures, MediaStages, PhotonFormat, ProjectionMap,
-    Query, Requirements, Result, SceneView, Settings, Stage, Stages, StopCondition, TransportBackend,
+    AimedStages, Announcement, Area, Backend, Error, GlossCaustics, MediaFeatures, MediaStages, PhotonFormat,
+    ProjectionMap, Query, Requirements, Result, SceneView, Settings, Stage, Stages, StopCondition, TransportBackend,
 };
 
 use crate::device::buffer::VulkanBuffer;
@@ -46,6 +46,10 @@ impl TransportBackend for Vulkan {
     }
 
     fn stop_when(&mut self, condition: Option<StopCondition>) {
+        if condition.is_none() && matches!(self.fault, Some(Error::Cancelled)) {
+            // Of a mark: its pass is abandoned already, or has no more commands.
+            self.fault = None;
+        }
         self.recorder.stop_when(condition);
     }
 

@@ -99,9 +99,14 @@ impl FilmKey {
     /// A target for the error of this film, for [`ErrorTarget::forecast`].
     ///
     /// # Errors
-    /// [`photon_core::Error::InvalidSetting`] if target or share is out of range, or errors are not estimated.
+    /// [`photon_core::Error::InvalidSetting`] if target or share is out of range, errors are not estimated, or the settings are
+    /// not those of this version.
     pub fn error_target(&self, target: f64, share_of_pixels: f64) -> photon_core::Result<ErrorTarget> {
-        let settings = parsed(&self.settings).unwrap_or_default();
+        let settings = parsed(&self.settings).ok_or_else(|| photon_core::Error::InvalidSetting {
+            name: "film",
+            value: "with settings of another version".into(),
+            hint: "render it again with this one",
+        })?;
         ErrorTarget::new(target, share_of_pixels, &settings)
     }
 
@@ -205,13 +210,16 @@ const CAMERA_SAMPLES: &str = "camera_samples";
 /// Name of the camera among the parts.
 const CAMERA: &str = "camera";
 
-/// Settings on which no pass depends, or that the key has elsewhere: the renderer may have fewer paths, seeds are part of the set of
-/// passes, scheduling changes no result, and a pass that exceeds memory or capacity is an error.
+/// Settings on which no pass depends, or that the key has elsewhere: the renderer may have fewer paths, seeds are part of the
+/// set of passes, scheduling changes no result, and a pass that exceeds memory or capacity is an error.
 const OTHERS: [&str; 5] = ["photons", "seed", "scheduling", "photon_capacity", "memory"];
 
-/// The settings that passes depend on, by name, as in a JSON file but for the quotes of texts. Numbers are read back as the same bits.
+/// The settings that passes depend on, by name, as in a JSON file but for the quotes of texts. Numbers of up to 15 digits are
+/// read back as the same bits.
 fn entries(settings: &Settings) -> BTreeMap<String, String> {
-    let Ok(Value::Object(all)) = serde_json::to_value(settings) else { return BTreeMap::new() };
+    // By way of text, in which numbers of 32 bits are as short as they are.
+    let json = serde_json::to_string(settings).and_then(|text| serde_json::from_str(&text));
+    let Ok(Value::Object(all)) = json else { return BTreeMap::new() };
     let text = |value: Value| if let Value::String(text) = value { text } else { value.to_string() };
     let parts = all.into_iter().filter(|(name, _)| !OTHERS.contains(&name.as_str()));
     parts.map(|(name, value)| (name, text(value))).collect()
@@ -233,7 +241,7 @@ mod tests {
     #[test]
     fn settings_are_read_back() {
         let estimator = Estimator::Knn { k: 60, max_radius: None };
-        let settings = Settings { estimator, alpha: 0.1 + 0.2, irradiance_every: Some(3), ..Settings::default() };
+        let settings = Settings { estimator, alpha: 0.7, irradiance_every: Some(3), ..Settings::default() };
         let entries = entries(&settings);
         assert_eq!(parsed(&entries), Some(settings));
         assert_eq!(

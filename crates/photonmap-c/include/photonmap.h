@@ -1045,7 +1045,8 @@ PmStatus pm_renderer_for_time(const struct PmScene *scene,
  *
  * `progress` may be NULL, and `user` is passed to it. `*done`, which may be NULL, is the number of passes that were
  * finished, even after an error. If the first pass of a film is stopped, the film has what was traced of it: such a film
- * can be shown, but neither merged nor written to a film file.
+ * can be shown, but neither merged nor written to a film file, and is to be taken before further passes if these have several
+ * camera samples.
  */
 PmStatus pm_renderer_passes(struct PmRenderer *renderer,
                             uint32_t first,

@@ -198,7 +198,8 @@ unsafe fn seen(scene: *const PmScene, view: *const PmView) -> Result<View> {
 ///
 /// `progress` may be NULL, and `user` is passed to it. `*done`, which may be NULL, is the number of passes that were
 /// finished, even after an error. If the first pass of a film is stopped, the film has what was traced of it: such a film
-/// can be shown, but neither merged nor written to a film file.
+/// can be shown, but neither merged nor written to a film file, and is to be taken before further passes if these have several
+/// camera samples.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_renderer_passes(
     renderer: *mut PmRenderer,

@@ -30,7 +30,7 @@ pub(crate) struct Recorder {
     open: Option<Recording>,
     recorded: u32,
     ordered: bool,
-    /// When no more is submitted of a pass.
+    /// The condition under which no more of a pass is submitted.
     stop: Option<StopCondition>,
     read_back: Option<Memory>,
     /// Whether the host writes parameters directly where it can.
@@ -256,7 +256,8 @@ impl Recorder {
         self.open = None;
     }
 
-    /// Lets submissions and waits end with an error when the condition is met. What has been recorded stays, and is submitted later.
+    /// Lets submissions and waits end with an error when the condition is met. What has been recorded stays, and is submitted
+    /// later.
     pub(crate) fn stop_when(&mut self, condition: Option<StopCondition>) {
         self.stop = condition;
     }

@@ -121,8 +121,7 @@ pub trait TransportBackend: FilmBackend {
         1 << 18
     }
 
-    /// Number of photons of a map up to which memory is no matter: the rule of settings asks for no more. By default as many as one
-    /// wishes.
+    /// Most photons of a map for which memory suffices anyway: the rule of settings asks for no more. By default without limit.
     fn most_photons(&self) -> u64 {
         u64::MAX
     }

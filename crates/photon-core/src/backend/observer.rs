@@ -49,9 +49,9 @@ pub trait Observer {
     /// [`ControlFlow::Break`] asks to stop as soon as the film is valid.
     fn on_event(&mut self, event: &Event<'_>) -> ControlFlow<()>;
 
-    /// The condition under which a pass is abandoned in the middle of a stage. [`crate::render`] and [`crate::render_blocks`] apply
-    /// it once there is a film; the first pass has fewer paths and camera samples instead, and [`crate::Render::pass`] applies it
-    /// to any pass. By default `None`: a pass is stopped after an event only.
+    /// The condition under which a pass is abandoned in the middle of a stage. [`crate::render`] and [`crate::render_blocks`]
+    /// apply it to all passes but the first, which has fewer paths and camera samples instead; [`crate::Render::pass`] applies
+    /// it to any. By default `None`: a pass is stopped after an event only.
     fn stop_condition(&self) -> Option<StopCondition> {
         None
     }

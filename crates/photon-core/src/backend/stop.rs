@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use crate::error::{Error, Result};
 
-/// A condition under which a pass that has begun is abandoned. Stages test it on any of their threads, every few milliseconds;
-/// once it is met, it must stay so until the pass has ended.
+/// A condition under which a pass that has begun is abandoned. Most stages test it on any of their threads, every few
+/// milliseconds; once it is met, it must stay so until the pass has ended.
 #[derive(Clone)]
 pub struct StopCondition(Arc<dyn Fn() -> bool + Send + Sync>);
 

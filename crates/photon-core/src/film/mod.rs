@@ -110,8 +110,8 @@ pub struct Film {
     pub camera_samples: u32,
     /// Which passes these are; empty if that is not known, as for a film that was filled by hand.
     pub contains: PassSet,
-    /// Whether its only pass was cut short, with fewer photons than the settings ask for. Such a film can be shown, but
-    /// neither merged nor stored.
+    /// Whether its only pass was cut short, with fewer photons or camera samples than the settings ask for. Such a film can be
+    /// shown, but neither merged nor stored.
     pub cut: bool,
     /// What the photons of these passes did.
     pub tally: FilmTally,

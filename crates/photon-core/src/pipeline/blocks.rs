@@ -133,9 +133,8 @@ pub fn render_blocks(
         return Ok(results);
     }
     for start in blocks.passes().step_by(blocks.grain as usize) {
-        let condition = observer.stop_condition().filter(|_| film.is_some());
-        let mut stopping = Stopping { inner: &mut *observer, condition };
-        let (block, flow) = block(renderer, start..start + blocks.grain, &mut stopping, &mut results.outcome)?;
+        let passes = start..start + blocks.grain;
+        let (block, flow) = block(renderer, passes, film.is_none(), observer, &mut results.outcome)?;
         let Some(film) = add(film, block, blocks.grain, &mut results)? else { break };
         after_block(film)?;
         let end = forecast(film, &looks, observer, &mut results.outcome)?;
@@ -203,16 +202,20 @@ pub(super) fn add<'a>(
     }
 }
 
-/// Renders the passes of a block until the observer asks to stop. If there is an error, the passes are discarded.
+/// Renders the passes of a block until the observer asks to stop; under its condition, a pass is abandoned, but not the first
+/// of all. If there is an error, the passes are discarded.
 pub(super) fn block(
     renderer: &mut dyn Render,
     passes: Range<u32>,
+    is_first: bool,
     observer: &mut dyn Observer,
     outcome: &mut Outcome,
 ) -> Result<(Film, ControlFlow<()>)> {
     let mut flow = ControlFlow::Continue(());
+    let first = passes.start;
     for index in passes {
-        let report = match renderer.pass(index, observer) {
+        let condition = observer.stop_condition().filter(|_| !is_first || index > first);
+        let report = match renderer.pass(index, &mut Stopping { inner: &mut *observer, condition }) {
             Ok(PassEnd::Done(report)) => report,
             Ok(PassEnd::Last(report)) => {
                 flow = ControlFlow::Break(());

@@ -17,8 +17,8 @@ const SEGMENTS: &str = "segments of camera samples";
 impl<B: TransportBackend> Pipeline<B> {
     /// Adds the other camera samples of pass `index` to the light of the first, and averages: emission seen by the camera and
     /// direct light of shadow rays. What the first has read from the maps counts in full. If the observer stops it, which cuts
-    /// the pass, there are fewer samples. Returns the number of camera paths of all samples that were truncated; `None` if there is
-    /// one sample.
+    /// the pass, there are fewer samples. Returns the number of camera paths of all samples that were truncated; `None` if there
+    /// is one sample.
     pub(super) fn other_samples(
         &mut self,
         index: u32,
@@ -31,6 +31,10 @@ impl<B: TransportBackend> Pipeline<B> {
             sent.stop |= observer.on_event(&Event::Samples { pass: index, taken, total }).is_break();
             if sent.stop {
                 (sent.cut, sent.lacks_samples) = (true, true);
+                if self.passes > 0 {
+                    // It is abandoned: the film keeps its number of samples.
+                    return Ok(None);
+                }
                 break;
             }
             let next = self.together.min(total - taken);

@@ -49,7 +49,7 @@ impl<B: TransportBackend> Pipeline<B> {
             return Ok((pipeline.with_settings(scene, settings.clone())?, None));
         };
         let stored = pipeline.maps.iter().map(|slot| slot.capacity).max().unwrap_or(0);
-        let of_path = stored.max(1) as f64 / f64::from(begin.photons);
+        let of_path = stored.max(1) as f64 / f64::from(pipeline.settings.photons);
         first.most_paths = Some((pipeline.on.most_photons() as f64 / of_path) as u32);
         first.seconds_left = seconds.map_or(f64::INFINITY, |seconds| seconds - begun.elapsed().as_secs_f64());
         let decided = settings.for_time(&within, &first);

@@ -168,7 +168,7 @@ impl Drop for StopOnPanic<'_> {
     }
 }
 
-/// Renders blocks until there are no more. Under the condition blocks are abandoned, but not the first one of an empty film.
+/// Renders blocks until there are no more; under the condition passes are abandoned. `is_empty`: the film has no blocks yet.
 fn work(
     renderer: &mut dyn Render,
     queue: &Queue,
@@ -195,9 +195,9 @@ fn work(
         let (start, grain) = (queue.blocks.passes().start, queue.blocks.grain());
         let start = start + number * grain;
         let mut outcome = Outcome::default();
-        let condition = condition.clone().filter(|_| number > 0 || !is_empty);
-        let mut stopping = Stopping { inner: &mut observer, condition };
-        let result = block(renderer, start..start + grain, &mut stopping, &mut outcome);
+        let mut stopping = Stopping { inner: &mut observer, condition: condition.clone() };
+        let is_first = is_empty && number == 0;
+        let result = block(renderer, start..start + grain, is_first, &mut stopping, &mut outcome);
         let failed = result.is_err();
         let _ = sender.send(Message::Block(number, result.map(|(film, _)| Box::new((film, outcome)))));
         if failed {

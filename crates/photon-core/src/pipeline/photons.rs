@@ -18,7 +18,7 @@ pub(super) struct Sent {
     pub(super) aimed: Option<u32>,
     pub(super) tally: Tally,
     pub(super) aimed_tally: Tally,
-    /// Whether the observer stopped it before all were emitted.
+    /// Whether the observer stopped it before all were emitted, or between camera samples.
     pub(super) cut: bool,
     /// Whether it was stopped between camera samples.
     pub(super) lacks_samples: bool,

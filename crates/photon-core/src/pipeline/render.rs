@@ -208,8 +208,8 @@ const FORECAST_TIME: Duration = Duration::from_secs(1);
 
 /// Renders passes until the budget is spent or the observer asks to stop. With a limit on time, and unless a number of passes is
 /// asked for, a pass has fewer paths and rays if it would take more than half of that time ([`Render::lower`]), of which
-/// the observer gets a warning. A pass that turns out to end more than a twentieth of the time too late is abandoned, unless it is
-/// the first.
+/// the observer gets a warning. A pass that turns out to end more than a twentieth of the time too late is abandoned, unless
+/// it is the first.
 ///
 /// # Errors
 /// [`Error::InvalidSetting`] for an empty budget, or a target error if the renderer does not estimate

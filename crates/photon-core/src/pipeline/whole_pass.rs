@@ -77,11 +77,12 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(if stop { PassEnd::Last(report) } else { PassEnd::Done(report) })
     }
 
-    /// Photons, camera paths and estimates of a pass. `None`: the observer stopped it, and the film has other passes. If the first
-    /// pass is cut short, it is a valid pass with fewer paths or camera samples.
+    /// Photons, camera paths and estimates of a pass. `None`: the observer stopped it, and the film has other passes. If the
+    /// first pass is cut short, it is a valid pass with fewer paths or camera samples.
     fn light_of_pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<Option<Made>> {
         let mut sent = self.emit_and_trace(index, self.settings.photons, observer)?;
-        if sent.cut && self.passes > 0 {
+        let has_samples = self.settings.camera_samples > 1;
+        if self.passes > 0 && (sent.cut || sent.stop && has_samples) {
             return Ok(None);
         }
         let (queries, truncated) = self.look(index, 0)?;
@@ -97,6 +98,8 @@ impl<B: TransportBackend> Pipeline<B> {
     /// Discards what was rendered of a pass.
     fn abandon(&mut self) -> Result<PassEnd> {
         self.on.abandon_pass(&mut self.film)?;
+        // Waits, so that a device has the memory of lost maps back before others are allocated.
+        self.on.timings()?;
         self.recover()?;
         Ok(PassEnd::Cancelled)
     }

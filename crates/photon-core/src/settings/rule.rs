@@ -6,8 +6,8 @@ use crate::radius::bandwidth;
 use crate::settings::preset::Preset;
 use crate::settings::{Area, Bandwidth, Direct, Estimator, Indirect, Settings};
 
-/// Paths of the first pass on a CPU, and of a number of passes. With fewer, camera paths and shadow rays take most of a pass; with
-/// more, a short render has too few passes to smooth these.
+/// Paths of the first pass on a CPU, and of a number of passes. With fewer, camera paths and shadow rays take most of a pass;
+/// with more, a short render has too few passes to smooth these.
 const PATHS: u32 = 65_536;
 
 /// Likewise on a GPU, which traces fewer of them in hardly less time: they would not fill its lanes.
@@ -104,7 +104,7 @@ pub struct FirstPass {
     pub direct: f64,
     /// Share of light that was scattered diffusely before, likewise.
     pub indirect: f64,
-    /// Number of paths up to which memory is no matter; `None`: any.
+    /// Most paths for which memory suffices anyway; `None`: any number.
     pub most_paths: Option<u32>,
     /// Expected seconds of a pass of the whole picture that are proportional to its paths.
     pub photon_seconds: f64,
@@ -167,27 +167,27 @@ impl FirstPass {
 }
 
 impl FirstPass {
-    /// Seconds of a pass with these settings that do not belong to photons.
+    /// Seconds of a pass with these settings that do not belong to photons, nor to final gathering that is
+    /// taken only now.
     fn seconds_of_others(&self, settings: &Settings) -> f64 {
-        let [samples, rays, gather_rays] =
-            [settings.camera_samples, settings.shadow_rays, settings.gather_rays].map(f64::from);
+        let [samples, rays] = [settings.camera_samples, settings.shadow_rays].map(f64::from);
         let seen = if settings.camera_samples == 1 {
             self.alone_seconds + rays * self.alone_ray_seconds
         } else {
             self.once_seconds + samples * (self.camera_seconds + rays * self.shadow_ray_seconds)
         };
-        let gathered = if settings.indirect == Indirect::Gather { gather_rays * self.gather_ray_seconds } else { 0.0 };
-        (seen - self.photon_seconds).max(self.other_seconds) + gathered
+        (seen - self.photon_seconds).max(self.other_seconds)
     }
 
-    /// Factor on the number of paths of a pass that is to take `each` seconds, and `others` without photons. There are fewer paths if
-    /// they do not fit; but where the rest of a pass takes longer than they do, fewer hardly help.
+    /// Factor on the number of paths of a pass that is to take `each` seconds, and takes `others` without photons. There are fewer
+    /// paths if they do not fit; but where the rest of a pass takes longer than they do, fewer hardly help.
     ///
-    /// On a GPU there are more, as long as they do not take longer than the rest: half as many passes with twice the paths have
-    /// smaller radii and the same noise. On a CPU, whose passes are few, noise is all that is seen.
-    fn photon_share(&self, each: f64, others: f64, is_gpu: bool) -> f64 {
+    /// If their number may rise, as on a GPU, there are more, as long as they do not take longer than the rest: half as many
+    /// passes with twice the paths have smaller radii and the same noise. On a CPU, whose passes are few, noise is all that is
+    /// seen.
+    fn photon_share(&self, each: f64, others: f64, may_rise: bool) -> f64 {
         let fewer = (each - others).max(others) / self.photon_seconds;
-        let more = if is_gpu { others.min(each - others) / self.photon_seconds } else { 1.0 };
+        let more = if may_rise { others.min(each - others) / self.photon_seconds } else { 1.0 };
         match (fewer < 1.0, more >= 2.0 && more.is_finite()) {
             (true, _) => fewer,
             // A power of two, so that renders seldom differ.
@@ -269,8 +269,8 @@ impl Settings {
     /// Radii are those of each pixel where caustics are visible, unless the time ends before they are updated, and on a GPU
     /// everywhere. For a number of passes, there are more shadow rays where direct light exceeds indirect light. Within a time,
     /// camera samples and shadow rays are as many as remove most noise in it, final gathering is taken where indirect light
-    /// dominates, if there is time enough for it and for compiling its kernels, and paths are fewer if hardly a pass would fit, and
-    /// more on a GPU where the rest of a pass takes longer.
+    /// dominates, if there is time enough for it and for compiling its kernels, and paths are fewer if hardly a pass would fit,
+    /// and more on a GPU where the rest of a pass takes longer.
     /// Decisions depend on shares of the light, but for those within a time, which depend on seconds too.
     #[must_use]
     pub fn for_time(&self, within: &Circumstances, first: &FirstPass) -> Self {
@@ -293,7 +293,8 @@ impl Settings {
         let passes = GATHERING_PASSES * (first.photon_seconds + first.other_seconds + gathering);
         let is_enough = first.compile_seconds + passes <= first.seconds_left;
         let may = settings.indirect == Indirect::Map && !(fixed.bandwidth && settings.bandwidth == Bandwidth::PerPixel);
-        if !fixed.indirect && may && first.indirect >= MOST_INDIRECT && is_enough {
+        let begins_gathering = !fixed.indirect && may && first.indirect >= MOST_INDIRECT && is_enough;
+        if begins_gathering {
             settings.set_bandwidth(false, self.errors);
             settings.indirect = Indirect::Gather;
         }
@@ -303,12 +304,14 @@ impl Settings {
         let rays = (!has_rays).then_some(settings.shadow_rays);
         (settings.camera_samples, settings.shadow_rays) = first.samples_and_rays(samples, rays);
         if !fixed.photons {
-            let each = if settings.indirect == Indirect::Gather {
-                (first.seconds_left - first.compile_seconds) / GATHERING_PASSES
+            let (each, gathering) = if begins_gathering {
+                ((first.seconds_left - first.compile_seconds) / GATHERING_PASSES, gathering)
             } else {
-                first.seconds_left / f64::from(Preset::Preview.passes())
+                (first.seconds_left / f64::from(Preset::Preview.passes()), 0.0)
             };
-            let share = first.photon_share(each, first.seconds_of_others(&settings), is_gpu);
+            let others = first.seconds_of_others(&settings) + gathering;
+            // With a limit on memory, the first pass may have had fewer than asked for.
+            let share = first.photon_share(each, others, is_gpu && settings.memory.is_none());
             let most = most_photons(within).min(first.most_paths.unwrap_or(u32::MAX)).max(settings.photons);
             settings.photons = (f64::from(settings.photons) * share).clamp(1.0, f64::from(most)) as u32;
         }
@@ -327,180 +330,4 @@ impl Settings {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const OPEN: Fixed = Fixed {
-        photons: false,
-        area: false,
-        bandwidth: false,
-        indirect: false,
-        shadow_rays: false,
-        camera_samples: false,
-    };
-
-    fn within(seconds: Option<f64>, is_gpu: bool, fixed: Fixed) -> Circumstances {
-        Circumstances { seconds, pixels: 512 * 512, is_gpu, fixed }
-    }
-
-    /// Paths, radii per pixel, final gathering, and shadow rays.
-    fn decided(first: FirstPass, within: &Circumstances) -> (u32, bool, bool, u32) {
-        let settings = Settings::default().for_time(within, &first);
-        settings.validate().unwrap();
-        assert_eq!(settings.area, Area::Surface);
-        let per_pixel = settings.bandwidth == Bandwidth::PerPixel;
-        assert_eq!(settings.errors, per_pixel, "statistics are kept for radii per pixel alone");
-        (settings.photons, per_pixel, settings.indirect == Indirect::Gather, settings.shadow_rays)
-    }
-
-    #[test]
-    fn each_fact_decides_its_setting() {
-        let (cpu, gpu) = (within(Some(60.0), false, OPEN), within(Some(60.0), true, OPEN));
-        let plain = FirstPass { direct: 0.4, indirect: 0.6, seconds_left: 60.0, ..FirstPass::default() };
-        let caustics = FirstPass { caustic_pixels: 0.05, ..plain };
-        let lit = FirstPass { direct: 0.61, ..plain };
-        let indirect = FirstPass { indirect: 0.7, direct: 0.3, ..plain };
-        // A pass with 16 rays takes 1.6 s: 32 of them and the kernels fit, or just not.
-        let dear = FirstPass { photon_seconds: 0.1, other_seconds: 0.1, gather_ray_seconds: 1.4 / 16.0, ..indirect };
-        for (first, on_cpu, on_gpu) in [
-            (plain, (65_536, false, false, 1), (400_000, true, false, 1)),
-            (caustics, (65_536, true, false, 1), (400_000, true, false, 1)),
-            // Eight passes take 60 s, or a little longer.
-            (FirstPass { other_seconds: 7.5, ..caustics }, (65_536, true, false, 1), (400_000, true, false, 1)),
-            (FirstPass { other_seconds: 7.6, ..caustics }, (65_536, false, false, 1), (400_000, true, false, 1)),
-            (indirect, (65_536, false, true, 1), (400_000, false, true, 1)),
-            // 32 passes leave a quarter of a second for more paths, which take a tenth.
-            (dear, (65_536, false, true, 1), (800_000, false, true, 1)),
-            (FirstPass { compile_seconds: 9.0, ..dear }, (65_536, false, false, 1), (400_000, true, false, 1)),
-        ] {
-            assert_eq!(decided(first, &cpu), on_cpu, "{first:?}");
-            assert_eq!(decided(first, &gpu), on_gpu, "{first:?}");
-        }
-        // Within a time, shadow rays depend on noise, of which there is none here.
-        let rays = |first, is_gpu| decided(first, &within(None, is_gpu, OPEN)).3;
-        assert_eq!([rays(plain, false), rays(lit, false), rays(lit, true)], [2, 8, 8]);
-        // A number of passes has no time that final gathering could pay in.
-        assert!(!decided(indirect, &within(None, false, OPEN)).2);
-        let fixed = within(Some(60.0), true, Fixed::ALL);
-        assert_eq!(
-            Settings::default().for_time(&fixed, &FirstPass { caustic_pixels: 1.0, ..indirect }),
-            Settings::default()
-        );
-    }
-
-    #[test]
-    fn camera_samples_and_shadow_rays_balance_time_and_noise() {
-        let found = |first: FirstPass, fixed: Fixed| {
-            let of = |within: &Circumstances| {
-                let found = Settings { shadow_rays: 3, ..Settings::default() }.for_time(within, &first);
-                (found.camera_samples, found.shadow_rays)
-            };
-            assert_eq!(of(&within(None, false, OPEN)), (1, 3), "a number of passes has no time to save");
-            of(&within(Some(9.0), false, fixed))
-        };
-        // Seconds of what is done once, of a camera path and of a shadow ray; noise of the three.
-        let first = |[once_seconds, camera_seconds, shadow_ray_seconds]: [f64; 3], [map, camera, shadow]: [f64; 3]| {
-            let noise =
-                FirstPass { map_noise: map, camera_noise: camera, shadow_noise: shadow, ..FirstPass::default() };
-            let (alone_seconds, alone_ray_seconds) = (once_seconds + camera_seconds, shadow_ray_seconds);
-            let alone = FirstPass { alone_seconds, alone_ray_seconds, ..noise };
-            FirstPass { once_seconds, camera_seconds, shadow_ray_seconds, seconds_left: 1e9, ..alone }
-        };
-        let open = |seconds, noise| found(first(seconds, noise), OPEN);
-        // A sample has 4 rays and takes 8 s; its variance is 2.
-        assert_eq!(open([400.0, 4.0, 1.0], [1.0, 1.0, 4.0]), (10, 4));
-        let some = first([400.0, 4.0, 1.0], [1.0, 1.0, 4.0]);
-        assert_eq!(found(some, Fixed { camera_samples: true, ..OPEN }), (1, 28), "√(404 · 4 / 2)");
-        assert_eq!(found(some, Fixed { shadow_rays: true, ..OPEN }), (12, 3), "√(400 · 7/3 / 7)");
-        assert_eq!(found(some, Fixed { shadow_rays: true, camera_samples: true, ..OPEN }), (1, 3));
-        // One sample: all noise is of maps, or of what shadow rays find.
-        assert_eq!(open([9.0, 1.0, 1.0], [1.0, 0.0, 0.0]), (1, 1));
-        assert_eq!(open([9.0, 1.0, 1.0], [1.0, 0.0, 10.0]), (1, 10));
-        // Many: no noise is of maps; and as many as there is time for, in as many passes as of a preview.
-        assert_eq!(open([9.0, 1.0, 1.0], [0.0, 1.0, 0.0]), (64, 1));
-        let passes = f64::from(Preset::Preview.passes());
-        let short = FirstPass { seconds_left: 19.0 * passes, ..first([9.0, 1.0, 1.0], [0.0, 1.0, 0.0]) };
-        assert_eq!(found(short, OPEN), (5, 1));
-        // Nothing at all.
-        assert_eq!(open([0.0; 3], [0.0; 3]), (1, 1));
-    }
-
-    #[test]
-    fn paths_are_fewer_in_small_pictures_and_short_times() {
-        let few = Circumstances { pixels: 100, ..within(Some(9.0), false, OPEN) };
-        assert_eq!(Settings::default().for_first_pass(&few).photons, 400);
-        assert_eq!(Settings::default().for_first_pass(&Circumstances { is_gpu: true, ..few }).photons, 3200);
-        let photons = |photon_seconds, other_seconds, seconds_left| {
-            let first = FirstPass { photon_seconds, other_seconds, seconds_left, ..FirstPass::default() };
-            decided(first, &within(Some(9.0), false, OPEN)).0
-        };
-        assert_eq!(photons(1.5, 0.5, 8.0), 65_536);
-        assert_eq!(photons(1.5, 0.5, 5.0), 32_768);
-        // Where the rest of a pass takes longer, fewer paths do not help.
-        assert_eq!(photons(1.5, 1.5, 0.0), 65_536);
-        assert_eq!(photons(2.0, 0.5, -1.0), 16_384);
-        assert_eq!(photons(0.0, 0.0, 0.0), 65_536);
-    }
-
-    #[test]
-    fn paths_are_more_on_a_gpu_whose_time_goes_elsewhere() {
-        let photons = |photon_seconds, other_seconds, seconds_left, is_gpu| {
-            let first = FirstPass { photon_seconds, other_seconds, seconds_left, ..FirstPass::default() };
-            decided(first, &within(Some(9.0), is_gpu, OPEN)).0
-        };
-        assert_eq!(photons(0.1, 0.9, 60.0, true), 8 * 400_000);
-        assert_eq!(photons(0.1, 0.9, 60.0, false), 65_536);
-        assert_eq!(photons(0.1, 0.19, 60.0, true), 400_000);
-        assert_eq!(photons(1e-9, 0.9, 60.0, true), 32 * 512 * 512);
-        let few = FirstPass {
-            most_paths: Some(500_000),
-            photon_seconds: 0.1,
-            other_seconds: 0.9,
-            seconds_left: 60.0,
-            ..FirstPass::default()
-        };
-        assert_eq!(decided(few, &within(Some(9.0), true, OPEN)).0, 500_000);
-        // Four passes still fit: 0.8 s remain of each for photons, or less than nothing.
-        assert_eq!(photons(0.1, 1.0, 7.2, true), 8 * 400_000);
-        assert_eq!(photons(0.1, 1.0, 5.0, true), 2 * 400_000);
-        assert_eq!(photons(0.1, 5.0, 8.0, true), 400_000);
-        // Time for camera samples and their shadow rays belongs to the rest: 1 + 8 samples of 0.1 + 2 · 0.05 s.
-        let first = FirstPass {
-            photon_seconds: 0.1,
-            once_seconds: 1.1,
-            camera_seconds: 0.1,
-            shadow_ray_seconds: 0.05,
-            ..FirstPass::default()
-        };
-        let settings = Settings { camera_samples: 8, shadow_rays: 2, ..Settings::default() };
-        assert!((first.seconds_of_others(&settings) - 2.6).abs() < 1e-12);
-    }
-
-    #[test]
-    fn radii_per_pixel_need_an_estimator_that_has_them() {
-        let first = FirstPass { caustic_pixels: 1.0, ..FirstPass::default() };
-        let of = |settings: Settings| settings.for_time(&within(None, true, OPEN), &first).bandwidth;
-        assert_eq!(of(Settings::default()), Bandwidth::PerPixel);
-        let knn = Estimator::Knn { k: 50, max_radius: None };
-        for other in [
-            Settings { estimator: knn, ..Settings::default() },
-            Settings { indirect: Indirect::Gather, ..Settings::default() },
-            Settings { memory: Some(1 << 30), ..Settings::default() },
-        ] {
-            assert_eq!(of(other), Bandwidth::Shared);
-        }
-    }
-
-    #[test]
-    fn people_read_settings_and_reasons() {
-        let first = FirstPass { caustic_pixels: 0.08, direct: 0.3, indirect: 0.7, ..FirstPass::default() };
-        let settings = Settings { photons: 1000, indirect: Indirect::Gather, ..Settings::default() };
-        let text = Decision { settings, first }.to_string();
-        assert_eq!(text.lines().count(), 2, "{text}");
-        assert!(
-            text.contains("1000 paths and 1 camera sample a pass") && text.contains("16 final-gather rays"),
-            "{text}"
-        );
-        assert!(text.contains("8 % of the pixels show caustics") && text.contains("30 % is direct, 70 %"), "{text}");
-    }
-}
+mod tests;

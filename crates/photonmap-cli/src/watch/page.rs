@@ -142,7 +142,7 @@ mod tests {
         assert_eq!((&found["width"], &found["height"], &found["passes"]), (&2.into(), &1.into(), &1.into()));
         assert_eq!(found["title"], "cornell");
         // log2(0.18 / L), with the luminance of the only pixel that is lit.
-        let expected = (0.18 / (0.2126 * 0.5 + 0.7152 + 0.0722 * 2.0) as f64).log2();
+        let expected = (0.18_f64 / (0.2126 * 0.5 + 0.7152 + 0.0722 * 2.0)).log2();
         assert!((found["exposure"].as_f64().unwrap() - expected).abs() < 1e-6, "{found}");
         let layers = found["layers"].as_array().unwrap();
         assert!(layers.contains(&"caustic".into()) && layers.contains(&"error".into()));

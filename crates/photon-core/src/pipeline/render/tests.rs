@@ -151,7 +151,7 @@ fn an_error_that_nobody_tells_is_refused() {
     assert!(render(&mut Idle::new(false), budget, &mut ()).is_err());
 }
 
-/// A pass that waits until it is abandoned is so shortly after the time, unless it is the first, and the render was not cancelled.
+/// A pass that waits until it is abandoned is so shortly after the time, unless it is the first; the render was not cancelled.
 #[test]
 fn a_pass_that_takes_too_long_is_abandoned() {
     struct Slow;

@@ -10,7 +10,7 @@ import struct
 import numpy as np
 import pytest
 
-from . import equal_error, errors, measures, povray, process, records, reference, scene, table
+from . import equal_error, errors, everyday, measures, povray, process, records, reference, scene, table
 
 SHAPE = (64, 64, 3)
 
@@ -160,6 +160,20 @@ def test_processor_time_is_that_of_the_child():
     code = "import time\nwhile time.process_time() < 0.5: pass"
     assert 0.5 <= process.run(["python3", "-c", code]).processor < 1.5
     assert process.run(["sleep", "0.3"]).processor < 0.2
+
+
+def test_models_lose_their_textures():
+    texture, indices = {"index": 0}, {"POSITION": 1, "NORMAL": 2, "TEXCOORD_0": 3}
+    root = {"materials": [{"normalTexture": texture}, {}], "meshes": [{"primitives": [{"attributes": indices}]}]}
+    everyday.without_textures(root)
+    assert "Texture" not in json.dumps(root) and len(root["materials"]) == 2
+    assert root["meshes"][0]["primitives"][0]["attributes"] == {"POSITION": 1}
+
+
+def test_relative_error_is_that_of_compare():
+    reference, found = np.full((2, 2, 3), 2.0), np.full((2, 2, 3), 3.0)
+    assert everyday.rel_mse(found, reference) == pytest.approx(1 / (4 + 0.04))
+    assert everyday.rel_mse(reference, reference) == 0
 
 
 def test_spotlights_become_point_lights():

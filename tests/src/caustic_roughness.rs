@@ -269,7 +269,9 @@ pub fn all_values_have_the_same_expectation<T: TestBackend>() {
     };
     let (required, off, all_emission) = with(None);
     assert!(required.gloss_caustics && !required.gloss_caustics_of_all_lights);
-    for least in [0.3, 0.5, 0.7] {
+    // All on the CPU, with which others are compared.
+    let values = if T::ONE_OF == 1 { &[0.3, 0.5, 0.7][..] } else { &[0.5] };
+    for &least in values {
         let (required, found, emission) = with(Some(least));
         assert!(required.gloss_caustics_of_all_lights);
         // Both have the same random numbers, so that their difference has less noise than they.

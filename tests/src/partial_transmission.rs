@@ -71,7 +71,8 @@ pub fn sunlit_surfaces<T: TestBackend>() {
         [(&open, Direct::Nee, 1.0), (&open, Direct::Photons, 1.0), (&make(true), Direct::Nee, through_a_pane(i))]
     {
         let settings = Settings { area: Area::Surface, ..direct_settings(direct, 0.08) };
-        let found = columns::<InFull<T>>(scene, &settings, 64);
+        let passes = if T::ONE_OF == 1 { 64 } else { 32 };
+        let found = columns::<InFull<T>>(scene, &settings, passes);
         for (column, (values, share)) in found.iter().zip(shares).enumerate() {
             let (mean, truth, error) = (moments(values).0, 0.8 * share * i * factor, standard_error(values));
             // The metal's reflection of this width adds less than the first; by photons, what remains of the edges of the

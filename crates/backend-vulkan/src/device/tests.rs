@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use ash::vk;
-use photon_core::{Backend, Error, Photon, Stage};
+use photon_core::{Backend, Error, Photon, Stage, StopCondition};
 
 use super::instance::Instance;
 use crate::sort::KeyConstants;
@@ -35,6 +35,19 @@ fn commands_wait_for_each_other() {
     let mut words = vec![0_u32; COUNT as usize];
     on.read(&ping, 0, bytemuck::cast_slice_mut(&mut words)).unwrap();
     assert!(words.iter().all(|&word| word == 607));
+}
+
+/// More marks than commands of a submission, none of which is made: the error ends with the pass.
+#[test]
+fn marks_of_an_abandoned_pass_are_no_fault() {
+    let Some(mut on) = Vulkan::for_tests() else { return };
+    photon_core::TransportBackend::stop_when(&mut on, Some(StopCondition::new(|| true)));
+    for turn in 0..600 {
+        on.mark(Some(if turn % 2 == 0 { Stage::Eye } else { Stage::Trace }));
+    }
+    assert!(matches!(on.fault, Some(Error::Cancelled)));
+    photon_core::TransportBackend::stop_when(&mut on, None);
+    on.timings().unwrap();
 }
 
 /// Transfers larger than the staging buffer, of an odd number of bytes.

@@ -25,7 +25,7 @@ pub(crate) struct Latch {
 }
 
 /// An event, as the observer of Python gets it: a kind, two numbers, a fraction and a text.
-type Told = (&'static str, u32, u64, f64, String);
+type Message = (&'static str, u32, u64, f64, String);
 
 /// Kind of the events that are warnings at the line that called `render`.
 const WARNING: &str = "checkpoint";
@@ -44,15 +44,15 @@ pub(crate) fn observed<T: Send>(
     thread::scope(|scope| {
         let worker = scope.spawn(move || work(&mut remote));
         loop {
-            let told = inbox.recv_timeout(INTERVAL);
-            match &told {
+            let message = inbox.recv_timeout(INTERVAL);
+            match &message {
                 // The worker has ended.
                 Err(RecvTimeoutError::Disconnected) => break,
                 Err(RecvTimeoutError::Timeout) => latch.ask(observer, None),
-                Ok((told, _)) => latch.ask(observer, Some(told)),
+                Ok((message, _)) => latch.ask(observer, Some(message)),
             }
             stop.store(latch.stop || latch.error.is_some(), Ordering::SeqCst);
-            if let Ok((_, answer)) = told {
+            if let Ok((_, answer)) = message {
                 let _ = answer.send(());
             }
         }
@@ -62,10 +62,10 @@ pub(crate) fn observed<T: Send>(
 
 impl Latch {
     /// Checks for signals, and calls the observer if there is an event.
-    fn ask(&mut self, observer: Option<&Py<PyAny>>, told: Option<&Told>) {
+    fn ask(&mut self, observer: Option<&Py<PyAny>>, message: Option<&Message>) {
         let answered = Python::attach(|py| {
             py.check_signals()?;
-            let Some((kind, pass, count, number, text)) = told else { return Ok(true) };
+            let Some((kind, pass, count, number, text)) = message else { return Ok(true) };
             if *kind == WARNING {
                 return warn(py, text).map(|()| true);
             }
@@ -84,15 +84,15 @@ impl Latch {
 /// The observer on the thread of the render, which waits for that of Python.
 #[derive(Clone)]
 pub(crate) struct Remote {
-    events: Sender<(Told, Sender<()>)>,
+    events: Sender<(Message, Sender<()>)>,
     stop: Arc<AtomicBool>,
 }
 
 impl Remote {
-    /// Tells Python, and waits for its answer.
-    fn tell(&self, told: Told) {
+    /// Sends a message to Python, and waits for the answer.
+    fn send(&self, message: Message) {
         let (sender, answer) = channel();
-        if self.events.send((told, sender)).is_ok() {
+        if self.events.send((message, sender)).is_ok() {
             let _ = answer.recv();
         }
     }
@@ -102,7 +102,7 @@ impl Remote {
     /// # Errors
     /// [`Error::Cancelled`] if Python makes an exception of it.
     pub(crate) fn warn(&self, text: &str) -> photonmap::Result<()> {
-        self.tell((WARNING, 0, 0, 0.0, text.to_owned()));
+        self.send((WARNING, 0, 0, 0.0, text.to_owned()));
         if self.stop.load(Ordering::SeqCst) { Err(Error::Cancelled) } else { Ok(()) }
     }
 }
@@ -115,7 +115,7 @@ pub(crate) fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
 
 impl Observer for Remote {
     fn on_event(&mut self, event: &Event<'_>) -> ControlFlow<()> {
-        let told = match event {
+        let message = match event {
             Event::Photons { pass, traced, total } => {
                 Some(("photons", *pass, u64::from(*traced), f64::from(*traced) / f64::from((*total).max(1)), ""))
             }
@@ -124,8 +124,8 @@ impl Observer for Remote {
             Event::Warning(text) => Some(("warning", 0, 0, 0.0, *text)),
             _ => None,
         };
-        if let Some((kind, pass, count, number, text)) = told {
-            self.tell((kind, pass, count, number, text.to_owned()));
+        if let Some((kind, pass, count, number, text)) = message {
+            self.send((kind, pass, count, number, text.to_owned()));
         }
         if self.stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -101,7 +101,7 @@ pub fn films_know_their_camera_samples<T: TestBackend>() {
     renderer.pass(0, &mut ()).unwrap();
     let whole = renderer.film().unwrap();
     for least in [1, 2] {
-        // Where all are traced together, no event comes after the first sample.
+        // No event comes after the first sample if all are traced together.
         if renderer.pass(1, &mut stop_at(least)).unwrap() == PassEnd::Cancelled {
             assert!(renderer.film().unwrap() == whole);
         } else {

@@ -101,7 +101,7 @@ fn paths_are_fewer_in_small_pictures_and_short_times() {
     };
     assert_eq!(photons(1.5, 0.5, 8.0), 65_536);
     assert_eq!(photons(1.5, 0.5, 5.0), 32_768);
-    // Where the rest of a pass takes longer, fewer paths do not help.
+    // Fewer paths do not help if the rest of a pass takes longer.
     assert_eq!(photons(1.5, 1.5, 0.0), 65_536);
     assert_eq!(photons(2.0, 0.5, -1.0), 16_384);
     assert_eq!(photons(0.0, 0.0, 0.0), 65_536);

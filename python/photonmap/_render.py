@@ -54,8 +54,8 @@ def render(
     **fields: Any,
 ) -> Film:
     """Renders a scene: a `Scene`, the name of a built-in one, or a file, to which `overrides` are applied. `environment` is light
-    from all around, as the argument of `Scene.environment`: a file, "constant", "constant:R,G,B", "sky:30,3". Without any light,
-    there is an even environment and a `SceneWarning`.
+    from all around, as the argument of `Scene.environment`: a file, "gradient", "constant", "constant:R,G,B", "sky:30,3".
+    Without any light, there is "gradient" and a `SceneWarning`.
 
     It ends after so many `passes` (default: those of the preset, "balanced" if none is given), after `time` in seconds, or
     when the estimated relative error of the `share` of pixels is at most `target_error`, whichever comes first. With `time`

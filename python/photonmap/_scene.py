@@ -150,8 +150,9 @@ class Scene:
         """Sets the light from all around, and replaces that of before.
 
         `light`: a radiance in W/(m² sr), a number or RGB; an image as an array (h, w, 3), w = 2h, in latitude and longitude;
-        or the text of the program's option --environment: the path of an image, "constant", "constant:R,G,B", or a clear sky
-        with its sun, "sky:ELEVATION,TURBIDITY", in degrees and from 1 to 10.
+        or the text of the program's option --environment: the path of an image; "gradient", of radiance 1 + 0.9 d·ω
+        from direction ω, with the unit vector d along (-2, 4, 3); "constant", "constant:R,G,B"; or a clear sky with its sun,
+        "sky:ELEVATION,TURBIDITY", in degrees and from 1 to 10.
         `rotate`: degrees, counter-clockwise as seen from above (+y). `memory`: limit in bytes on reading an image file.
         """
         turn, factor, limit = number("rotate", rotate), number("scale", scale), _limit(memory)
@@ -160,6 +161,8 @@ class Scene:
             kind, numbers = environment_text(text) if isinstance(light, str) else ("file", [])
             if kind == "file":
                 return self._call("environment_file", os.path.abspath(text), turn, factor, limit)
+            if kind == "gradient":
+                return self._call("environment_gradient", turn, factor)
             if kind == "sky":
                 return self._call("environment_sky", *numbers, turn, factor)
             light = numbers

@@ -31,12 +31,14 @@ pub(crate) fn builtin_scenes() -> Vec<(&'static str, &'static str)> {
     builtin_names().to_vec()
 }
 
-/// The meaning of the text of an environment: "file", "constant" with a radiance, or "sky" with elevation and turbidity.
+/// The meaning of the text of an environment: "file", "gradient", "constant" with a radiance, or "sky" with elevation
+/// and turbidity.
 #[pyfunction]
 pub(crate) fn environment_text(text: &str) -> PyResult<(&'static str, Vec<f64>)> {
     let name = text.parse::<EnvironmentName>();
     Ok(match name.map_err(|why| Failure::input(format!("environment {text:?}: {why}")))? {
         EnvironmentName::File(_) => ("file", Vec::new()),
+        EnvironmentName::Gradient => ("gradient", Vec::new()),
         EnvironmentName::Constant(radiance) => ("constant", radiance.to_vec()),
         EnvironmentName::Sky(elevation, turbidity) => ("sky", vec![elevation, turbidity]),
     })
@@ -260,6 +262,11 @@ impl RawBuilder {
         self.environment(&EnvironmentDesc::constant(radiance), 0.0, 1.0)
     }
 
+    /// Light that shows every side of a model.
+    fn environment_gradient(&mut self, rotate: f64, scale: f64) -> PyResult<()> {
+        self.environment(&EnvironmentDesc::gradient(), rotate, scale)
+    }
+
     /// A clear sky with its sun.
     fn environment_sky(&mut self, elevation: f64, turbidity: f64, rotate: f64, scale: f64) -> PyResult<()> {
         self.environment(&EnvironmentDesc::sky(elevation, turbidity), rotate, scale)
@@ -336,7 +343,8 @@ impl RawBuilder {
         self.builder.camera(name, camera);
     }
 
-    /// Checks everything. A scene without a camera gets one that shows all of it, and one without a light an even environment.
+    /// Checks everything. A scene without a camera gets one that shows all of it, and one without a light the environment
+    /// "gradient".
     fn build(&self, py: Python<'_>) -> PyResult<RawScene> {
         let mut builder = self.builder.clone();
         if !builder.has_camera() {
@@ -348,8 +356,7 @@ impl RawBuilder {
         let mut warnings = scene.warnings().to_vec();
         if is_dark {
             warnings.push(
-                "the scene has no light; an even environment of radiance 1 is used: choose another by environment=, a file or \
-                 \"sky:30,3\", or add lights"
+                "the scene has no light; environment=\"gradient\" is used: give a file or \"sky:30,3\" instead, or add lights"
                     .to_owned(),
             );
         }

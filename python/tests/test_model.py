@@ -35,13 +35,14 @@ def quietly(call):
 
 def test_a_model_without_light_is_seen_and_what_is_lost_is_told(model):
     with pytest.warns(pm.SceneWarning) as caught:
-        film = pm.render(model, **QUICK)
+        film = pm.render(model, shadow_rays=256, **QUICK)
     texts = [str(each.message) for each in caught]
     assert len(texts) == 2 and all(each.filename == __file__ for each in caught), texts
     assert "gone.png" in texts[0] and texts[0].startswith("floor.obj: ")
     assert "no light" in texts[1] and "environment=" in texts[1]
-    # Lambert(0.5) under an even environment of radiance 1, from outside: neither darker nor brighter.
-    assert film.alpha.max() == 1 and abs(film.beauty[film.alpha == 1].mean() - 0.5) < 0.02
+    # Lambert(0.5), facing upwards, under the gradient: 1/2 (1 + 2/3 · 0.9 d_y), neither darker nor brighter.
+    expected = 0.5 * (1 + 0.6 * 4 / 29**0.5)
+    assert film.alpha.max() == 1 and abs(film.beauty[film.alpha == 1].mean() - expected) < 0.02
     with pytest.warns(pm.SceneWarning):
         scene = pm.Scene.load(model)
     assert scene.warnings == [texts[1].removeprefix("floor.obj: ")] and any("gone.png" in line for line in scene.report)
@@ -58,7 +59,8 @@ def test_environments_by_text(model, tmp_path, monkeypatch):
         warnings.simplefilter("ignore", pm.SceneWarning)
         dark = pm.Scene.load(model)
         for given, same in [
-            ("constant", None),
+            ("gradient", None),
+            ("constant", 1.0),
             ("constant:1", 1.0),
             ("constant:0.2, 0.3, 0.4", (0.2, 0.3, 0.4)),
             ("sky:30,3", "sky:30,3"),

@@ -18,6 +18,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
             uint centred = floatBitsToUint(centred_f32(word));
             return Output(uvec4(lcg(word), floatBitsToUint(unit_f32(word)), centred, 0u), uvec4(0u));
         }
+        case 4u: return Output(uvec4(evenly_spread(words.a.xy, words.a.z), 0u, 0u), uvec4(0u));
         case 3u: {
             uint word = wavelength_word(words.a.yz, words.a.w, words.b.x, words.b.y, words.b.z);
             return Output(uvec4(word, 0u, 0u, 0u), uvec4(0u));

@@ -121,7 +121,7 @@ const uint BLOCK_SURFACES = 2u;
 const uint BLOCK_LIGHTS = 1073741824u;
 const uint BLOCK_LIGHT_SIDES = 1610612736u;
 const uint BLOCK_SEGMENTS = 536870912u;
-const uint WAVELENGTH_STEP = 2654435769u;
+const uint GOLDEN_STEP = 2654435769u;
 
 // Kernel::number.
 const uint KERNEL_CONSTANT = 0u;

@@ -21,6 +21,17 @@ uint lcg(uint state) {
     return (state * 1103515245u + 12345u) & 0x7FFFFFFFu;
 }
 
+// Element `index` of a sequence of points that begins at `first`, which are spread evenly.
+uvec2 evenly_spread(uvec2 first, uint index) {
+    uint column = 1u << 31;
+    uint second = 0u;
+    for (uint rest = index; rest != 0u; rest >>= 1) {
+        if ((rest & 1u) != 0u) second ^= column;
+        column ^= column >> 1;
+    }
+    return first ^ uvec2(bitfieldReverse(index), second);
+}
+
 // A float in [0, 1) from the upper 24 bits, exactly.
 float unit_f32(uint word) {
     return float(word >> 8) * (1.0 / 16777216.0);
@@ -68,7 +79,7 @@ uint wavelength_word(uvec2 seed, uint pass, uint domain, uint path, uint ray) {
     uint block = ray << 3 | domain & 0xFFFFu;
     uint word = domain & 0xFFFF0000u | DOMAIN_WAVELENGTH;
     if ((domain & 0xFFFFu) == DOMAIN_EYE) {
-        return philox4x32(uvec4(path, block, 0u, word), seed).x + pass * WAVELENGTH_STEP;
+        return philox4x32(uvec4(path, block, 0u, word), seed).x + pass * GOLDEN_STEP;
     }
     return philox4x32(uvec4(path, block, pass, word), seed).x;
 }

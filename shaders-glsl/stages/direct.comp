@@ -97,14 +97,15 @@ void main() {
     LightSampler light_sampler = GROUPS == 0u
         ? light_sampler_at(push.scene, WEIGHED, position, normal)
         : light_sampler_for_rays(push.scene, WEIGHED, GROUPS, push.rays, position, normal);
-    uint systematic = GROUPS == 0u ? 0u : philox4x32(uvec4(key, 0u, push.pass, domain), push.seed).x;
+    uvec4 first = philox4x32(uvec4(key, 0u, push.pass, domain), push.seed);
     vec3 sum = vec3(0.0);
     vec3 low = vec3(0.0);
     for (uint k = push.start_ray; k < push.end_ray; k++) {
-        uvec4 words = philox4x32(uvec4(key, k, push.pass, domain), push.seed);
+        uvec4 words = k == 0u ? first : philox4x32(uvec4(key, k, push.pass, domain), push.seed);
+        words.yz = evenly_spread(first.yz, k);
         float share;
         uint index = light_sampler_pick(
-            push.scene, light_sampler, uvec2(stratum(k, push.rays, GROUPS == 0u ? words.x : systematic), words.w), share);
+            push.scene, light_sampler, uvec2(stratum(k, push.rays, GROUPS == 0u ? words.x : first.x), words.w), share);
         LightSample found;
         if (!light_sample(push.scene, index, from, normal, words, found)) continue;
         Ray ray = found.ray;

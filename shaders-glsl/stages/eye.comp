@@ -241,6 +241,11 @@ void main() {
     y -= camera_sample * push.height;
     uint pixel = y * push.width + x;
     uvec4 jitter = words(pixel, 0, BLOCK_START);
+    if (domain != DOMAIN_EYE) {
+        // Points of further samples follow that of the first.
+        uvec4 first = philox4x32(uvec4(pixel << PATHS_LOG2, BLOCK_START, push.pass, DOMAIN_EYE), push.seed);
+        jitter.xy = evenly_spread(first.xy, domain >> 16);
+    }
     precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
     precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
     Ray ray;

@@ -57,11 +57,12 @@ void main() {
     uint key = push.queries[from].at.path;
     uint block = index * (push.max_bounces + 1);
     uvec4 words = philox4x32(uvec4(key, block, push.pass, DOMAIN_GATHER), push.seed);
-    // Height stratified over the rays.
+    // Height stratified over the rays, which follow at golden angles.
+    uint angle = philox4x32(uvec4(key, 0u, push.pass, DOMAIN_GATHER), push.seed).y + index * GOLDEN_STEP;
     precise float height = (float(index) + unit_f32(words.x)) / float(push.rays);
     // Sampled about the shading normal; the cosine may be smaller than that to it.
     vec3 axis = SHADING_NORMALS ? octahedral_unpack(push.queries[from].at.shading_normal) : normal;
-    vec3 direction = cosine_hemisphere(axis, min(height, 1.0 - 1.1920929e-7), unit_f32(words.y));
+    vec3 direction = cosine_hemisphere(axis, min(height, 1.0 - 1.1920929e-7), unit_f32(angle));
     Ray ray = Ray(off_surface(push.queries[from].at.position, normal), direction, NO_LIMIT);
     // In terms of radiance / n^2, which refraction does not change.
     vec3 throughput = vec3(1.0);

@@ -171,8 +171,10 @@ void main() {
     }
     vec3 sum = vec3(0.0);
     vec3 low = vec3(0.0);
+    uvec4 first = philox4x32(uvec4(key, 0u, push.pass, domain), push.seed);
     for (uint k = push.start_ray; k < end_ray; k++) {
-        uvec4 words = philox4x32(uvec4(key, k, push.pass, domain), push.seed);
+        uvec4 words = k == 0u ? first : philox4x32(uvec4(key, k, push.pass, domain), push.seed);
+        words.yz = evenly_spread(first.yz, k);
         float share;
         uint index = light_sampler_pick(push.scene, light_sampler, uvec2(words.x, 0u), share);
         // Each ray has its own part of the segment.

@@ -37,9 +37,9 @@ pub fn maps_are_read_for_the_first_sample<T: TestBackend>() {
     }
 }
 
-/// Without photons, the variance of a pass is that of one sample over their number, pixel by pixel where no light source is seen,
-/// whose edges have most of it: pixels have independent random numbers, and the mean over them of the difference has the standard
-/// error of its spread.
+/// Without photons, the variance of a pass is at most that of one sample over their number, since their points are spread evenly.
+/// Compared pixel by pixel where no light source is seen: edges of these have most of it. Pixels are independent, so that the mean
+/// of the differences has the standard error of their spread.
 pub fn noise_falls_with_their_number<T: TestBackend>() {
     let scene = builtin("cornell").unwrap().build().unwrap();
     let light = |samples, seed| Settings { indirect: Indirect::None, caustics: false, ..settings(samples, seed) };
@@ -52,7 +52,7 @@ pub fn noise_falls_with_their_number<T: TestBackend>() {
     let gaps = |factor: f64| pairs.iter().map(|((one, four), _)| factor * four - one).collect::<Vec<_>>();
     let z = |gaps: &[f64]| moments(gaps).0 / standard_error(gaps);
     let (quarter, same) = (gaps(4.0), gaps(1.0));
-    assert!(z(&quarter).abs() <= 4.5, "{}", z(&quarter));
+    assert!(z(&quarter) <= 4.5, "{}", z(&quarter));
     assert!(z(&same) < -4.5, "equal variances go unnoticed: {}", z(&same));
 }
 

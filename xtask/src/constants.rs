@@ -8,7 +8,7 @@ mod library;
 use std::fs;
 
 use photon_core::random::{
-    BLOCK_LIGHT, BLOCK_LIGHT_SIDES, BLOCK_LIGHTS, BLOCK_SEGMENTS, BLOCK_START, BLOCK_SURFACES, Domain, WAVELENGTH_STEP,
+    BLOCK_LIGHT, BLOCK_LIGHT_SIDES, BLOCK_LIGHTS, BLOCK_SEGMENTS, BLOCK_START, BLOCK_SURFACES, Domain, GOLDEN_STEP,
 };
 use photon_core::{
     Camera, Estimate, Features, Filter, Kernel, Layer, Light, MapKind, Material, MaterialKind, MaterialTextures,
@@ -156,7 +156,7 @@ fn groups() -> Vec<(&'static str, Vec<(&'static str, u32)>)> {
                 ("BLOCK_LIGHTS", BLOCK_LIGHTS),
                 ("BLOCK_LIGHT_SIDES", BLOCK_LIGHT_SIDES),
                 ("BLOCK_SEGMENTS", BLOCK_SEGMENTS),
-                ("WAVELENGTH_STEP", WAVELENGTH_STEP),
+                ("GOLDEN_STEP", GOLDEN_STEP),
             ],
         ),
         (

@@ -45,7 +45,7 @@ impl CpuFilm {
             }
             Ok(())
         };
-        on.pool.install(|| rows.into_par_iter().enumerate().try_for_each(each_row))
+        on.pool.install(|| rows.into_par_iter().with_max_len(1).enumerate().try_for_each(each_row))
     }
 }
 

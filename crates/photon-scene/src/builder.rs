@@ -192,7 +192,7 @@ impl SceneBuilder {
         camera::framing(bounds, bounds.and_then(|bounds| camera::open_side(self.meshes.iter(), bounds)))
     }
 
-    /// Adds an even environment of radiance 1 if there are triangles and nothing emits light ([`Self::has_light`]), so that
+    /// Adds [`EnvironmentDesc::gradient`] if there are triangles and nothing emits light ([`Self::has_light`]), so that
     /// a model by itself can be seen; a black environment that was described is kept. Returns whether it did. Through a medium
     /// without bounds no environment shines: rendering says so.
     ///
@@ -201,7 +201,7 @@ impl SceneBuilder {
     pub fn light_if_dark(&mut self) -> Result<bool, SceneError> {
         let is_dark = !self.has_light() && self.environment_text.is_none() && self.bounds().is_some();
         if is_dark {
-            self.environment_from(&EnvironmentDesc::constant([1.0; 3]))?;
+            self.environment_from(&EnvironmentDesc::gradient())?;
         }
         Ok(is_dark)
     }

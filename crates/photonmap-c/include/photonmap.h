@@ -882,7 +882,7 @@ size_t pm_last_error(char *text, size_t room);
  * Reads a scene file: .gltf, .glb, .obj, .ply or .stl.
  *
  * `overrides`: a TOML file that changes or adds materials, lights, cameras and an environment; NULL for none. A scene
- * without a camera gets one that shows all of it, and one without a light an even environment, of which pm_scene_report()
+ * without a camera gets one that shows all of it, and one without a light the environment "gradient", of which pm_scene_report()
  * has a line. Paths are UTF-8. `*scene` is to be freed with pm_scene_free().
  */
 PmStatus pm_scene_load(const char *file,
@@ -967,8 +967,9 @@ PmStatus pm_builder_camera(struct PmBuilder *builder, const struct PmCamera *cam
  * Sets the light from all around, and replaces that of before.
  *
  * `light`: an .exr or .hdr image in latitude and longitude, of radiance in W/(m² sr), whose centre is seen along -z;
- * "constant", of radiance 1, or "constant:R,G,B"; or a clear sky with its sun, "sky:ELEVATION,TURBIDITY", in degrees and
- * from 1 to 10. `rotate`: degrees, counter-clockwise as seen from +y. `scale`: factor on the light, such as 1.
+ * "gradient", of radiance 1 + 0.9 d.w from direction w, with the unit vector d along (-2, 4, 3); "constant", of radiance 1, or
+ * "constant:R,G,B"; or a clear sky with its sun, "sky:ELEVATION,TURBIDITY", in degrees and from 1 to 10.
+ * `rotate`: degrees, counter-clockwise as seen from +y. `scale`: factor on the light, such as 1.
  */
 PmStatus pm_builder_environment(struct PmBuilder *builder,
                                 const char *light,
@@ -993,8 +994,8 @@ PmStatus pm_builder_overrides(struct PmBuilder *builder,
                               const char *toml);
 
 /**
- * Checks everything and makes the scene. A scene without a camera gets one that shows all of it, and one without a light an
- * even environment of radiance 1, of which pm_scene_report() has a line. The builder may be changed and built again. `*scene`
+ * Checks everything and makes the scene. A scene without a camera gets one that shows all of it, and one without a light the
+ * environment "gradient", of which pm_scene_report() has a line. The builder may be changed and built again. `*scene`
  * is to be freed with pm_scene_free().
  */
 PmStatus pm_builder_build(const struct PmBuilder *builder,

@@ -54,8 +54,7 @@ impl PmBuilder {
         if scene.light_if_dark()? {
             report.note(
                 "the scene",
-                "has no light; an even environment of radiance 1 is used; choose another with pm_builder_environment(), or \
-                 add lights",
+                "has no light; the environment \"gradient\" is used; choose another with pm_builder_environment(), or add lights",
             );
         }
         Ok(PmScene::new(scene.build()?, &report))
@@ -252,8 +251,9 @@ pub unsafe extern "C" fn pm_builder_camera(builder: *mut PmBuilder, camera: *con
 /// Sets the light from all around, and replaces that of before.
 ///
 /// `light`: an .exr or .hdr image in latitude and longitude, of radiance in W/(m² sr), whose centre is seen along -z;
-/// "constant", of radiance 1, or "constant:R,G,B"; or a clear sky with its sun, "sky:ELEVATION,TURBIDITY", in degrees and
-/// from 1 to 10. `rotate`: degrees, counter-clockwise as seen from +y. `scale`: factor on the light, such as 1.
+/// "gradient", of radiance 1 + 0.9 d.w from direction w, with the unit vector d along (-2, 4, 3); "constant", of radiance 1, or
+/// "constant:R,G,B"; or a clear sky with its sun, "sky:ELEVATION,TURBIDITY", in degrees and from 1 to 10.
+/// `rotate`: degrees, counter-clockwise as seen from +y. `scale`: factor on the light, such as 1.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_builder_environment(
     builder: *mut PmBuilder,
@@ -336,8 +336,8 @@ pub unsafe extern "C" fn pm_builder_overrides(builder: *mut PmBuilder, toml: *co
     })
 }
 
-/// Checks everything and makes the scene. A scene without a camera gets one that shows all of it, and one without a light an
-/// even environment of radiance 1, of which pm_scene_report() has a line. The builder may be changed and built again. `*scene`
+/// Checks everything and makes the scene. A scene without a camera gets one that shows all of it, and one without a light the
+/// environment "gradient", of which pm_scene_report() has a line. The builder may be changed and built again. `*scene`
 /// is to be freed with pm_scene_free().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_builder_build(builder: *const PmBuilder, scene: *mut *mut PmScene) -> PmStatus {

@@ -29,7 +29,7 @@ impl PmScene {
 /// Reads a scene file: .gltf, .glb, .obj, .ply or .stl.
 ///
 /// `overrides`: a TOML file that changes or adds materials, lights, cameras and an environment; NULL for none. A scene
-/// without a camera gets one that shows all of it, and one without a light an even environment, of which pm_scene_report()
+/// without a camera gets one that shows all of it, and one without a light the environment "gradient", of which pm_scene_report()
 /// has a line. Paths are UTF-8. `*scene` is to be freed with pm_scene_free().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pm_scene_load(

@@ -31,8 +31,8 @@ pub fn scene_within(args: &SceneArgs, limit: Limit<'_>) -> Result<(Scene, LoadRe
     if builder.light_if_dark()? {
         report.note(
             "the scene",
-            "has no light; an even environment is used; choose another with --environment FILE|sky:30,3, or add lights in \
-             an override file (--overrides auto writes one to begin with)",
+            "has no light; --environment gradient is used; give an image or sky:30,3 instead, or add lights in an \
+             override file (--overrides auto writes one to begin with)",
         );
     }
     // Errors of reading name the file themselves; those of building may come from either file.

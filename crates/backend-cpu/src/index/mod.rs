@@ -269,7 +269,7 @@ impl PointIndex {
         if k == 0 {
             return Ok(());
         }
-        out.par_chunks_mut(k * CHUNK).zip(queries.par_chunks(CHUNK)).try_for_each(|(rows, queries)| {
+        out.par_chunks_mut(k * CHUNK).with_max_len(1).zip(queries.par_chunks(CHUNK)).try_for_each(|(rows, queries)| {
             let mut found = Neighbours::for_nearest(k.min(self.len()))?;
             for (row, &query) in rows.chunks_exact_mut(k).zip(queries) {
                 self.nearest_of_all(query, k, max_r2, &mut found);
@@ -289,7 +289,7 @@ impl PointIndex {
     /// If `out` and `queries` differ in length.
     pub fn count_within_many(&self, queries: &[[f32; 3]], r2: f32, out: &mut [u32]) {
         assert_eq!(out.len(), queries.len(), "`out` must have one element per query");
-        out.par_chunks_mut(CHUNK).zip(queries.par_chunks(CHUNK)).for_each(|(counts, queries)| {
+        out.par_chunks_mut(CHUNK).with_max_len(1).zip(queries.par_chunks(CHUNK)).for_each(|(counts, queries)| {
             for (count, &query) in counts.iter_mut().zip(queries) {
                 *count = self.count_within(query, r2);
             }

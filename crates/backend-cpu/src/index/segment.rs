@@ -48,7 +48,7 @@ impl PointIndex {
     /// If `out` and `segments` differ in length.
     pub fn count_near_segments(&self, segments: &[[[f32; 3]; 2]], radius: f32, out: &mut [u32]) {
         assert_eq!(out.len(), segments.len(), "`out` must have one element per segment");
-        out.par_chunks_mut(CHUNK).zip(segments.par_chunks(CHUNK)).for_each(|(counts, segments)| {
+        out.par_chunks_mut(CHUNK).with_max_len(1).zip(segments.par_chunks(CHUNK)).for_each(|(counts, segments)| {
             for (count, &ends) in counts.iter_mut().zip(segments) {
                 *count = 0;
                 self.near_segment(ends, radius, |_, _| *count += 1);

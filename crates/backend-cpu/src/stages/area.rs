@@ -38,7 +38,8 @@ impl AreaProbe<Cpu> for CpuArea {
         gather: &EstimateParams,
         buffers: EstimateBuffers<'_, Cpu>,
     ) -> Result<()> {
-        let estimates = buffers.estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK));
+        let estimates =
+            buffers.estimates.data.par_chunks_mut(BLOCK).with_max_len(1).zip(queries.data.par_chunks(BLOCK));
         let has_alpha = scene.present.intersects(Features::RANDOM_SURFACES);
         let around = |query| Around { scene, pass, query, gather, has_alpha };
         on.pool.install(|| match buffers.error_moments {

@@ -42,7 +42,7 @@ impl BeamEstimator<Cpu> for CpuBeamEstimator {
         let Some(error_moments) = error_moments else {
             estimates.reset(needed, fit);
             return on.pool.install(|| {
-                let blocks = estimates.data.par_chunks_mut(BLOCK).zip(segments.data.par_chunks(BLOCK));
+                let blocks = estimates.data.par_chunks_mut(BLOCK).with_max_len(1).zip(segments.data.par_chunks(BLOCK));
                 blocks.try_for_each(|(estimates, segments)| {
                     on.stop.check()?;
                     for (estimate, query) in estimates.iter_mut().zip(segments) {
@@ -56,7 +56,8 @@ impl BeamEstimator<Cpu> for CpuBeamEstimator {
         estimates.reset(needed, fit);
         error_moments.reset(needed, fit);
         on.pool.install(|| {
-            let out = estimates.data.par_chunks_mut(BLOCK).zip(error_moments.data.par_chunks_mut(BLOCK));
+            let out =
+                estimates.data.par_chunks_mut(BLOCK).with_max_len(1).zip(error_moments.data.par_chunks_mut(BLOCK));
             out.zip(segments.data.par_chunks(BLOCK)).try_for_each(|((estimates, error_moments), segments)| {
                 on.stop.check()?;
                 for ((estimate, moments), query) in estimates.iter_mut().zip(error_moments).zip(segments) {

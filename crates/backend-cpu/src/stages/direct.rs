@@ -2,7 +2,7 @@
 
 use photon_core::glam::Vec3;
 use photon_core::memory::{self, OutOfMemory};
-use photon_core::random::{Domain, Sampler};
+use photon_core::random::{Domain, Sampler, evenly_spread};
 use photon_core::{
     Coat, DirectLight, Features, Layer, MediumStack, Pass, Query, RandomKind, Ray, Result, octahedral, offset,
     shading_normal, shadow_terminator,
@@ -37,7 +37,7 @@ impl DirectLight<Cpu> for CpuDirect {
         let in_batches = if scene.traces_batches() {
             let queries = queries.as_slice();
             let mut found = memory::zeroed(queries.len(), "direct light")?;
-            let chunks = found.par_chunks_mut(BATCH).zip(queries.par_chunks(BATCH));
+            let chunks = found.par_chunks_mut(BATCH).with_max_len(1).zip(queries.par_chunks(BATCH));
             on.pool.install(|| {
                 chunks.try_for_each(|(found, chunk)| {
                     on.stop.check()?;
@@ -132,10 +132,11 @@ fn irradiance<const SHADED: bool>(
     };
     let mut sum = [0.0; 3];
     let is_systematic = scene.light_groups.starts() != 0;
-    let [systematic, ..] = if is_systematic { sampler.words(0) } else { [0; 4] };
+    let first = sampler.words(0);
     let mut draw = |ray: u32| {
-        let [choice, u, v, low] = sampler.words(ray);
-        let choice = if is_systematic { systematic } else { choice };
+        let [choice, _, _, low] = if ray == 0 { first } else { sampler.words(ray) };
+        let choice = if is_systematic { first[0] } else { choice };
+        let [u, v] = evenly_spread([first[1], first[2]], ray);
         // Each ray samples its own stratum of the lights, with groups at the same place within it.
         let choice = (((u64::from(ray) << 32) | u64::from(choice)) / u64::from(rays)) as u32;
         ([choice, low], [u, v, low])

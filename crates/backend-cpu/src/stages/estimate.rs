@@ -38,15 +38,17 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         let needed = queries.data.len();
         estimates.reset(needed, needed.min(estimates.capacity as usize));
         on.pool.install(|| {
-            estimates.data.par_chunks_mut(BLOCK).zip(queries.data.par_chunks(BLOCK)).try_for_each(|(out, queries)| {
-                on.stop.check()?;
-                // Neighbouring queries have similar radii, which the scratch memory remembers.
-                let mut scratch = scratch_for(map, gather)?;
-                for (estimate, query) in out.iter_mut().zip(queries) {
-                    *estimate = estimate_at(map, VisiblePoint::of(query, gather), gather, &mut scratch);
-                }
-                Ok(())
-            })
+            estimates.data.par_chunks_mut(BLOCK).with_max_len(1).zip(queries.data.par_chunks(BLOCK)).try_for_each(
+                |(out, queries)| {
+                    on.stop.check()?;
+                    // Neighbouring queries have similar radii, which the scratch memory remembers.
+                    let mut scratch = scratch_for(map, gather)?;
+                    for (estimate, query) in out.iter_mut().zip(queries) {
+                        *estimate = estimate_at(map, VisiblePoint::of(query, gather), gather, &mut scratch);
+                    }
+                    Ok(())
+                },
+            )
         })
     }
 
@@ -66,7 +68,8 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         estimates.reset(needed, fit);
         error_moments.reset(needed, fit);
         on.pool.install(|| {
-            let out = estimates.data.par_chunks_mut(BLOCK).zip(error_moments.data.par_chunks_mut(BLOCK));
+            let out =
+                estimates.data.par_chunks_mut(BLOCK).with_max_len(1).zip(error_moments.data.par_chunks_mut(BLOCK));
             out.zip(queries.data.par_chunks(BLOCK)).try_for_each(|((estimates, error_moments), queries)| {
                 on.stop.check()?;
                 for ((estimate, moments), query) in estimates.iter_mut().zip(error_moments).zip(queries) {
@@ -94,6 +97,7 @@ impl RadianceEstimator<Cpu> for CpuEstimator {
         on.pool.install(|| {
             (0..count)
                 .into_par_iter()
+                .with_max_len(64)
                 .map(|i| {
                     let photon = map.stored(i * map.len() / count);
                     let normal = octahedral::unpack(photon.normal);

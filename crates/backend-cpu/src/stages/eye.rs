@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::memory;
-use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, unit_f32};
+use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, evenly_spread, unit_f32};
 use photon_core::{
     Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,
     QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SkipLimit, SurfaceInteraction, Vertex, View,
@@ -105,7 +105,7 @@ impl EyeTracer<Cpu> for CpuEye {
         let in_batches = scene.traces_batches();
         let mut rows = memory::with_capacity(view.height as usize, QUERIES)?;
         on.pool.install(|| {
-            let all = film.pending.par_chunks_mut(view.width as usize).enumerate();
+            let all = film.pending.par_chunks_mut(view.width as usize).with_max_len(1).enumerate();
             let traced = all.map(|(row, pixels)| {
                 on.stop.check()?;
                 let mut found = memory::with_capacity(pixels.len(), QUERIES)?;
@@ -221,7 +221,16 @@ impl Eye<'_> {
 
     /// The first path of a pixel. `LENS`: the camera has a lens.
     pub(super) fn first<const LENS: bool>(&self, x: u32, y: u32) -> Path {
-        let [a, b, c, d] = self.sampler(y * self.view.width + x, 0).words(BLOCK_START);
+        let number = y * self.view.width + x;
+        let [a, b, c, d] = self.sampler(number, 0).words(BLOCK_START);
+        // Points of further samples follow that of the first.
+        let [a, b] = match self.pass.sample {
+            0 => [a, b],
+            sample => {
+                let [a, b, ..] = self.sampler(number, 0).of_first_sample().words(BLOCK_START);
+                evenly_spread([a, b], sample)
+            }
+        };
         let camera = &self.view.camera;
         let across = 2.0 * (x as f32 + unit_f32(a)) / self.view.width as f32 - 1.0;
         let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use photon_core::glam::Vec3;
 use photon_core::memory::OutOfMemory;
-use photon_core::random::{Domain, Sampler, unit_f32};
+use photon_core::random::{Domain, GOLDEN_STEP, Sampler, unit_f32};
 use photon_core::{
     Coat, ErrorMoments, Estimate, EstimateParams, Features, FinalGather, Layer, Layers, Lobe, MapKind, Maps,
     MediumStack, Pass, PerMap, PhotonFormat, Query, RandomKind, Result, Scattering, SkipLimit, Vertex, Wavelength,
@@ -168,10 +168,11 @@ fn follow<const SHADED: bool, const ALPHA: bool>(
     scratch: &mut PerMap<Neighbours>,
 ) -> Found {
     let block = index * max_bounces.saturating_add(1);
-    let [u, v, ..] = sampler.words(block);
+    let [[u, ..], [_, v, ..]] = [block, 0].map(|block| sampler.words(block));
     let normal = Vec3::from(query.normal);
-    // Each ray samples its own stratum in height.
+    // Each ray samples its own stratum in height, and turns by a golden angle from the ray before.
     let u = ((index as f32 + unit_f32(u)) / rays as f32).min(1.0 - f32::EPSILON);
+    let v = v.wrapping_add(index.wrapping_mul(GOLDEN_STEP));
     let shades = SHADED && scene.present.contains(Features::SHADING_NORMALS);
     let axis = if shades { octahedral::unpack(query.shading_normal) } else { normal };
     let mut ray = photon_core::Ray {

@@ -5,7 +5,7 @@ use photon_core::flight;
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::LightSampler;
 use photon_core::phase::Phase;
-use photon_core::random::{BLOCK_SEGMENTS, Domain, Sampler, unit_f32};
+use photon_core::random::{BLOCK_SEGMENTS, Domain, Sampler, evenly_spread, unit_f32};
 use photon_core::{
     Columns, DirectLight, Features, Layer, Light, Pass, Query, RandomKind, Ray, Result, Segment, offset,
 };
@@ -54,13 +54,14 @@ fn scattered(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3]
         return [0.0; 3];
     }
     let mut sum = [0.0; 3];
+    let first = sampler.words(0);
     for number in 0..rays {
-        let [choice, u, v, place] = sampler.words(number);
+        let [choice, _, _, place] = if number == 0 { first } else { sampler.words(number) };
         let (index, share) = lights.pick(&scene.light_cdf, choice);
         // Each ray has its own part of the segment.
         let place = (number as f32 + unit_f32(place)) / rays as f32;
         let alpha = || sampler.words(BLOCK_SEGMENTS + number)[1];
-        let choice = Choice { point: [u, v], place };
+        let choice = Choice { point: evenly_spread([first[1], first[2]], number), place };
         let found = from_light(scene, (&segment, columns.as_ref()), &scene.lights[index], &choice, alpha);
         for c in 0..3 {
             sum[c] += f64::from(found[c]) / share;

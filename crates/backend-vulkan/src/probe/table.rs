@@ -4,7 +4,7 @@
 //! of a division plus the 2 of an inverse square root, 5.4e-7; the bounds follow from these.
 
 use photon_core::glam::Vec3;
-use photon_core::random::{Domain, Sampler, centred_f32, lcg, philox4x32, unit_f32};
+use photon_core::random::{Domain, Sampler, centred_f32, evenly_spread, lcg, philox4x32, unit_f32};
 use photon_core::{Kernel, RandomKind, fresnel, math, octahedral, offset, sampling};
 
 use super::compare::Bound;
@@ -137,6 +137,10 @@ fn random_rows(row: Make) -> Vec<Row> {
         row("lcg, unit_f32, centred_f32", module, 1, Bound::Words, any_words, |i| {
             let [word, ..] = i.0;
             words([lcg(word), unit_f32(word).to_bits(), centred_f32(word).to_bits()])
+        }),
+        row("evenly_spread", module, 4, Bound::Words, any_words, |i| {
+            let [u, v, index, ..] = i.0;
+            words(evenly_spread([u, v], index))
         }),
         row("wavelength_word", module, 3, Bound::Words, sampler, |i| words([sampler_of(i).wavelength(i.0[6])])),
         row("sampler_words", module, 2, Bound::Words, sampler, |i| {

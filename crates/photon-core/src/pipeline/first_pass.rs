@@ -81,7 +81,7 @@ impl<B: TransportBackend> Pipeline<B> {
             alone_seconds: small.whole.total() - small.whole.shadow_rays,
             alone_ray_seconds: small.whole.shadow_rays / shadow_rays,
             camera_noise: (sampled - shadow_noise).max(0.0),
-            shadow_noise: shadow_noise * small.shadow_rays,
+            shadow_noise: shadow_noise * small.shadow_rays.powf(1.5),
             map_noise,
             photon_seconds: small.whole.photons,
             other_seconds: small.whole.total() - small.whole.photons,
@@ -95,15 +95,14 @@ impl<B: TransportBackend> Pipeline<B> {
     }
 }
 
-/// Relative variance of the pixels that show a surface in both of two passes: by the light of camera samples, and by light that is
-/// read from maps.
+/// Relative variance of lit pixels, from two passes: by the light of camera samples, and by light that is read from maps.
 ///
 /// The variance is half the mean squared difference. Relative to the sum of both passes, no pixel counts more than 1, so that rare
 /// bright ones do not decide alone.
 fn noise(one: &Film, other: &Film, direct: Direct) -> [f64; 2] {
     let is_sampled = |layer: Layer| layer == Layer::Emission || (layer == Layer::Direct && direct == Direct::Nee);
     let (mut sum, mut count) = ([0.0; 2], 0_u32);
-    for (a, b) in one.pixels.iter().zip(&other.pixels).filter(|(a, b)| a.hits > 0 && b.hits > 0) {
+    for (a, b) in one.pixels.iter().zip(&other.pixels) {
         let (mut all, mut gaps) = (0.0, [0.0; 2]);
         for layer in Layer::ALL {
             let (a, b) = (grey(a, layer), grey(b, layer));

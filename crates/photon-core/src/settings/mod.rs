@@ -225,8 +225,9 @@ pub struct Settings {
     pub scheduling: Scheduling,
     /// Which random numbers are used.
     pub random: RandomKind,
-    /// Camera samples of each pixel in a pass, in `[1, 4096]`: independent camera paths with direct light, whose mean counts as
-    /// that of one. Photons are read for the first of them alone, so that many pay where little of the light is theirs.
+    /// Camera samples of each pixel in a pass, in `[1, 4096]`: camera paths from points that are spread evenly in the pixel, with
+    /// direct light, whose mean counts as that of one. Photons are read for the first of them alone, so that many pay where little
+    /// of the light is theirs.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::count"))]
     pub camera_samples: u32,
     /// Shadow rays per query and camera sample, in `[1, 4096]`.

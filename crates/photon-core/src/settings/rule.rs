@@ -31,8 +31,8 @@ const CAUSTIC_PIXELS: f64 = 0.05;
 /// cost of more rays, then weighs less than the blotches of maps.
 const MOST_INDIRECT: f64 = 2.0 / 3.0;
 
-/// Shadow rays of a query of a number of passes where direct light exceeds indirect light: of its variance a quarter remains of that with two, and as they start
-/// at one point, they take less time than as many camera paths.
+/// Shadow rays of a query of a number of passes where direct light exceeds indirect light: of their variance an eighth remains of
+/// that of two, and as they start at one point, they take less time than as many camera paths.
 const SHADOW_RAYS: u32 = 8;
 
 /// Most camera samples of a pass, and most shadow rays of a query: with as many, a pass takes hardly less time for each of them, and
@@ -120,9 +120,9 @@ pub struct FirstPass {
     pub alone_seconds: f64,
     /// Expected seconds of one shadow ray for each query in such a pass.
     pub alone_ray_seconds: f64,
-    /// Relative variance of a pixel by the choice of a camera path, mean over the pixels that show a surface.
+    /// Relative variance of a pixel by the choice of a camera path, mean over the lit pixels.
     pub camera_noise: f64,
-    /// Relative variance by the choice of a shadow ray.
+    /// Relative variance by the choice of shadow rays, times the power 3/2 of their number.
     pub shadow_noise: f64,
     /// Relative variance of the light that is read from the maps once in a pass.
     pub map_noise: f64,
@@ -138,32 +138,45 @@ impl FirstPass {
     /// The numbers of camera samples n of a pass and shadow rays r of a query for the least variance in a time, where they are not
     /// given.
     ///
-    /// A pass takes `a + n (c + r s)` seconds and has the variance `m + (v + w/r)/n`, whose product is least with `r² = c w / (s v)`
-    /// and `n² = a (v + w/r) / ((c + r s) m)`. With n = 1, c and v are those of the whole pass without shadow rays. At most as
-    /// many samples as let a few passes end in time.
+    /// A pass takes `a + n (c + r s)` seconds and has at most the variance `m + v/n`, where `v` is that of a camera path plus
+    /// `w r^(−3/2)`: what evenly spread points leave of an integrand with edges. The product is least with
+    /// `n² = a v / ((c + r s) m)`, and r by [`Self::best_rays`]. With n = 1, c and v are those of the whole pass. At most as many
+    /// samples as let a few passes end in time.
     fn samples_and_rays(&self, samples: Option<u32>, rays: Option<u32>) -> (u32, u32) {
-        let Self { camera_seconds: camera, shadow_ray_seconds: ray, camera_noise, shadow_noise, map_noise, .. } = *self;
+        let Self { camera_seconds: camera, shadow_ray_seconds: ray, camera_noise, map_noise, .. } = *self;
         let once = self.once_seconds;
-        // NaN, if there is nothing to weigh: the least.
-        let number = |square: f64| square.sqrt().clamp(1.0, MOST).max(1.0).round() as u32;
-        let best_rays = |seconds: f64, ray: f64, noise: f64| match rays {
-            Some(rays) => rays,
-            None => number(seconds * shadow_noise / (ray * noise)),
-        };
+        let best_rays =
+            |seconds: f64, ray: f64, noise: f64| rays.unwrap_or_else(|| self.best_rays(seconds, ray, noise));
         let rays_of_sample = best_rays(camera, ray, camera_noise);
         let sample = camera + f64::from(rays_of_sample) * ray;
         let in_time = (self.seconds_left / f64::from(Preset::Preview.passes()) - once) / sample;
         let found = match samples {
             Some(samples) => samples,
             None => {
-                let noise = camera_noise + shadow_noise / f64::from(rays_of_sample);
-                number(once * noise / (sample * map_noise)).min(number(in_time.max(0.0).powi(2)))
+                let noise = camera_noise + self.shadow_noise * f64::from(rays_of_sample).powf(-1.5);
+                number((once * noise / (sample * map_noise)).sqrt()).min(number(in_time))
             }
         };
         let alone = || best_rays(self.alone_seconds, self.alone_ray_seconds, map_noise + camera_noise);
         let rays = if found > 1 { rays_of_sample } else { alone() };
         (found, rays)
     }
+
+    /// The number of shadow rays r for which `(c + r s) (v + w r^(−3/2))` is least, with `seconds` c, `ray` s and `noise` v: the
+    /// fixed point of `r^(5/2) = w (3 c + r s) / (2 s v)`. Each step takes the ratio to it to the power 2/5 or less.
+    fn best_rays(&self, seconds: f64, ray: f64, noise: f64) -> u32 {
+        let mut rays = 1.0_f64;
+        for _ in 0..16 {
+            let power = self.shadow_noise * (3.0 * seconds + rays * ray) / (2.0 * ray * noise);
+            rays = power.powf(0.4).clamp(1.0, MOST);
+        }
+        number(rays)
+    }
+}
+
+/// The nearest permitted number; the least of them if there is nothing to weigh, so that `found` is not a number.
+fn number(found: f64) -> u32 {
+    if found > 1.0 { found.min(MOST).round() as u32 } else { 1 }
 }
 
 impl FirstPass {

@@ -20,21 +20,23 @@
 //! | photon | 0 | light · point on it, u · point on it, v · side |
 //! | photon | 1 | direction, u · direction, v · – · – |
 //! | photon | 2 + n, surface n from 0 | Russian roulette, choice of the lobe · direction, u · direction, v · alpha |
-//! | camera path | 1 | x in the pixel · y in the pixel · point on the lens, u · point on the lens, v |
+//! | camera path | 1 | x in the pixel · y in the pixel (both of sample 0) · point on the lens, u · point on the lens, v |
 //! | camera path | 2 + n, after n surfaces | choice of the lobe · direction, u · direction, v · alpha of the next |
 //! | camera path | [`BLOCK_LIGHTS`] + n, surface n from 1 | light · point, u · point, v · light (low), alpha |
 //! | camera path | [`BLOCK_LIGHT_SIDES`] + n, surface n from 1 | side of rough glass · – · – · – |
-//! | shadow rays | ray r of the query | light · point or direction, u · the same, v · light (low), alpha |
-//! | final gathering | r · (max bounces + 1), ray r | direction, u · direction, v · – · – |
+//! | shadow rays | ray r of the query | light · point or direction, u · the same, v (both of ray 0) · light (low), alpha |
+//! | final gathering | r · (max bounces + 1), ray r | direction, u · direction, v (of ray 0) · – · – |
 //! | final gathering | r · (max bounces + 1) + n, surface n from 1 | choice of the lobe · direction, u · direction, v · alpha |
 //! | flights | 2n, after n surfaces and collisions | channel · length · roulette · thinning |
 //! | flights | 2n + 1 | phase function, u · phase function, v · – · – |
 //! | deposits in media | n, after n surfaces and collisions; aimed paths: + 2³¹ | channel · place · – · – |
-//! | camera segments | ray r of the segment | light · point, u · point, v · place on the segment |
+//! | camera segments | ray r of the segment | light · point, u · point, v (both of ray 0) · place on the segment |
 //! | camera segments | [`BLOCK_SEGMENTS`] + n, segment n of the pixel | which of several is kept · alpha of shadow ray n · – · – |
 //! | wavelength | domain of the path + 8 · gather ray | wavelength · – · – · – |
 //! | area probes | 0, by the path of the query | rotation of the spokes · shift of the rings · – · – |
 //!
+//! Further rays of a query, and camera samples of a pixel, have their points from the first by [`evenly_spread`], and gather rays
+//! their azimuths by [`GOLDEN_STEP`].
 //! Aimed photons have the blocks of photons. A stage consumes its own block even where it needs no number. With
 //! [`RandomKind::Lcg`] photons draw four numbers per block of a sequence that starts at the path number; all other
 //! domains keep Philox.
@@ -97,6 +99,23 @@ pub fn lcg(state: u32) -> u32 {
     state.wrapping_mul(1_103_515_245).wrapping_add(12_345) & 0x7FFF_FFFF
 }
 
+/// Element `index` of a sequence of points that begins at `first`, in units of 2⁻³²: the (0, 2)-sequence of van der Corput and Sobol
+/// (1967) in base 2, scrambled by exclusive or (Kollig and Keller 2002). Of the first 2ᵏ points, and of each later run of as many, one
+/// lies in each of 2ᵏ rectangles of equal area, of any shape; with a uniform first point each is uniform.
+#[inline]
+#[must_use]
+pub const fn evenly_spread(first: [u32; 2], index: u32) -> [u32; 2] {
+    let (mut rest, mut column, mut second) = (index, 1 << 31, 0);
+    while rest != 0 {
+        if rest & 1 != 0 {
+            second ^= column;
+        }
+        rest >>= 1;
+        column ^= column >> 1;
+    }
+    [first[0] ^ index.reverse_bits(), first[1] ^ second]
+}
+
 /// A number in `[0, 1)` from the upper 24 bits of a word, exact.
 #[inline]
 #[must_use]
@@ -151,6 +170,14 @@ impl Sampler {
         self
     }
 
+    /// The numbers of the first camera sample of the pass.
+    #[inline]
+    #[must_use]
+    pub const fn of_first_sample(mut self) -> Self {
+        self.domain &= 0xFFFF;
+        self
+    }
+
     /// Four random words. With the counter, `block` (four dimensions each) selects them; the LCG returns
     /// the next four of its sequence, 31 bits each, shifted to the upper bits of the word.
     #[inline]
@@ -174,14 +201,15 @@ impl Sampler {
         let block = ray << 3 | domain;
         let draw = |pass| philox4x32([self.path, block, pass, sample | Domain::Wavelength as u32], self.key)[0];
         if domain == Domain::Eye as u32 {
-            return draw(0).wrapping_add(self.pass.wrapping_mul(WAVELENGTH_STEP));
+            return draw(0).wrapping_add(self.pass.wrapping_mul(GOLDEN_STEP));
         }
         draw(self.pass)
     }
 }
 
-/// Step of the wavelengths of a camera path from pass to pass, as a share of 2³²: the golden ratio.
-pub const WAVELENGTH_STEP: u32 = 0x9E37_79B9;
+/// Step of the wavelengths of a camera path from pass to pass, and of the azimuths of gather rays, as a share of 2³²: the
+/// golden ratio.
+pub const GOLDEN_STEP: u32 = 0x9E37_79B9;
 
 /// Block of dimensions for the choice of the light and the point on it.
 pub const BLOCK_LIGHT: u32 = 0;
@@ -228,6 +256,30 @@ mod tests {
         }
     }
 
+    /// Of 2ᵏ points, one is in each of 2ᵏ rectangles of equal area, whatever their shape. Independent ones are not spread so.
+    #[test]
+    fn runs_of_points_are_spread_evenly() {
+        let mut numbers = SplitMix64(3);
+        for log2 in 1..=8_u32 {
+            let is_even = |points: &[[u32; 2]], across: u32| {
+                let down = log2 - across;
+                let cell = |[u, v]: [u32; 2]| (u64::from(u) >> (32 - across)) << down | u64::from(v) >> (32 - down);
+                let mut cells: Vec<_> = points.iter().map(|&point| cell(point)).collect();
+                cells.sort_unstable();
+                cells.into_iter().eq(0..1 << log2)
+            };
+            for run in 0..4 {
+                let word = numbers.word();
+                let first = [word as u32, (word >> 32) as u32];
+                let points: Vec<_> = (0..1 << log2).map(|i| evenly_spread(first, (run << log2) + i)).collect();
+                assert!((0..=log2).all(|across| is_even(&points, across)), "2^{log2}, {run}");
+            }
+            let other: Vec<_> = (0..1 << log2).map(|_| [numbers.word() as u32, numbers.word() as u32]).collect();
+            assert!(log2 < 3 || !(0..=log2).all(|across| is_even(&other, across)), "2^{log2}");
+        }
+        assert_eq!(evenly_spread([5, 7], 0), [5, 7]);
+    }
+
     #[test]
     fn numbers_depend_on_every_part_of_the_key() {
         let draw =
@@ -247,6 +299,7 @@ mod tests {
         assert_eq!(sample(0).words(4), draw(1, 2, Domain::Eye, 3, 4));
         for other in 1..4096 {
             assert_ne!(sample(other).words(4), sample(0).words(4));
+            assert_eq!(sample(other).of_first_sample().words(4), sample(0).words(4));
             assert_ne!(sample(other).wavelength(0), sample(0).wavelength(0));
         }
     }

@@ -1,4 +1,4 @@
-//! Descriptions of light from infinitely far away: an image, a constant radiance, or a clear sky with its sun.
+//! Descriptions of light from infinitely far away: an image, a gradient, a constant radiance, or a clear sky with its sun.
 
 #[cfg(feature = "files")]
 mod image;
@@ -18,6 +18,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use photon_core::EnvironmentMap;
+use photon_core::glam::DVec3;
 
 use crate::error::SceneError;
 
@@ -113,6 +114,21 @@ impl EnvironmentDesc {
     pub fn constant(radiance: [f64; 3]) -> Self {
         let [r, g, b] = radiance;
         Self::new(format!("constant:{r},{g},{b}"), EnvironmentSource::Constant { radiance })
+    }
+
+    /// Radiance 1 + 0.9 d·ω from direction ω, W/(m²·sr), with the unit vector d along (−2, 4, 3): brightest from above, from the
+    /// left as seen along −z, and from +z, so that a model without light of its own shows its shape. The mean is 1.
+    #[must_use]
+    pub fn gradient() -> Self {
+        const WIDTH: usize = 64;
+        let towards = DVec3::new(-2.0, 4.0, 3.0).normalize_or_zero();
+        let texel = |index: usize| {
+            let [across, down] = [index % WIDTH, index / WIDTH].map(|at| (at as f64 + 0.5) / WIDTH as f64);
+            let [(sin, cos), (sine, cosine)] =
+                [across - 0.5, down].map(|turns| libm::sincos(std::f64::consts::TAU * turns));
+            [(1.0 + 0.9 * towards.dot(DVec3::new(sin * sine, cosine, -cos * sine))) as f32; 3]
+        };
+        Self::image("gradient", WIDTH, (0..WIDTH * WIDTH / 2).map(texel).collect::<Vec<_>>())
     }
 
     /// Radiance from an image in latitude and longitude, `width` texels in a row.

@@ -6,11 +6,13 @@ use std::str::FromStr;
 use super::EnvironmentDesc;
 use crate::{LoadOptions, LoadReport, SceneError};
 
-/// An environment by name: an image, `constant`, `constant:R,G,B` or `sky:ELEVATION,TURBIDITY`.
+/// An environment by name: an image, `gradient`, `constant`, `constant:R,G,B` or `sky:ELEVATION,TURBIDITY`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EnvironmentName {
     /// An image.
     File(PathBuf),
+    /// [`EnvironmentDesc::gradient`].
+    Gradient,
     /// Even radiance from all directions.
     Constant([f64; 3]),
     /// Elevation of the sun in degrees, and turbidity.
@@ -23,6 +25,9 @@ impl FromStr for EnvironmentName {
     fn from_str(text: &str) -> Result<Self, String> {
         let numbers =
             |list: &str| -> Option<Vec<f64>> { list.split(',').map(|part| part.trim().parse().ok()).collect() };
+        if text == "gradient" {
+            return Ok(Self::Gradient);
+        }
         if text == "constant" {
             return Ok(Self::Constant([1.0; 3]));
         }
@@ -41,7 +46,7 @@ impl FromStr for EnvironmentName {
         }
         let path = Path::new(text);
         if path.extension().is_none() && !path.exists() {
-            return Err(format!("there is no file {text}; give an image, constant:R,G,B, or sky:30,3"));
+            return Err(format!("there is no file {text}; give an image, gradient, constant:R,G,B, or sky:30,3"));
         }
         Ok(Self::File(text.into()))
     }
@@ -55,6 +60,7 @@ impl EnvironmentName {
     pub fn desc(&self, report: &mut LoadReport, options: &LoadOptions) -> Result<EnvironmentDesc, SceneError> {
         Ok(match self {
             Self::File(path) => EnvironmentDesc::read_with(path, report, options)?,
+            Self::Gradient => EnvironmentDesc::gradient(),
             Self::Constant(radiance) => EnvironmentDesc::constant(*radiance),
             Self::Sky(elevation, turbidity) => EnvironmentDesc::sky(*elevation, *turbidity),
         })

@@ -153,3 +153,15 @@ fn scale_applies_to_the_sky_and_to_its_sun() {
     assert_eq!(a.map(|c| 2.0 * c), b);
     assert_eq!(of(0.0).sun, None);
 }
+
+/// G10: the irradiance of a plane with normal n is π (1 + ⅔ · 0.9 d·n), and the mean radiance is 1.
+#[test]
+fn the_gradient_shows_every_side() {
+    let map = EnvironmentDesc::gradient().bake().expect("a map").map;
+    let towards = DVec3::new(-2.0, 4.0, 3.0).normalize_or_zero();
+    for sign in [1.0, -1.0] {
+        assert!(close(irradiance(sign, of_map(&map)), [PI * (1.0 + 0.6 * sign * towards.y); 3], 2e-3));
+        assert!(close(of_map(&map)(sign * towards), [1.0 + 0.9 * sign; 3], 2e-2));
+    }
+    assert!(close(map.mean_radiance(), [1.0; 3], 1e-3));
+}

@@ -220,7 +220,7 @@ static void scenes(void)
     OK(pm_builder_material(builder, &white, NULL));
     OK(pm_builder_mesh(builder, &mesh));
     OK(pm_builder_build(builder, &scene));
-    TRUE(pm_scene_report(scene, text, sizeof text) > 0 && strstr(text, "pm_builder_environment()"));
+    TRUE(pm_scene_report(scene, text, sizeof text) > 0 && strstr(text, "\"gradient\"") && strstr(text, "pm_builder_environment()"));
     pm_scene_free(scene);
     BAD(pm_builder_environment(NULL, "constant", 0, 1), "builder is NULL");
     BAD(pm_builder_environment(builder, NULL, 0, 1), "light is NULL");
@@ -228,6 +228,7 @@ static void scenes(void)
     EXPECT(pm_builder_environment(builder, "no-such-file.exr", 0, 1), PM_STATUS_FILE, "no-such-file");
     EXPECT(pm_builder_environment(builder, "sky:91,3", 0, 1), PM_STATUS_INVALID_SCENE, "91");
     EXPECT(pm_builder_environment(builder, "constant", NAN, 1), PM_STATUS_INVALID_SCENE, "NaN");
+    OK(pm_builder_environment(builder, "gradient", 90, 2));
     OK(pm_builder_environment(builder, "constant:1,0.5,2", 90, 2));
     OK(pm_builder_build(builder, &scene));
     TRUE(pm_scene_report(scene, text, sizeof text) == 0);

@@ -7,13 +7,14 @@ use photon_scene::{EnvironmentDesc, EnvironmentName, LoadOptions, LoadReport, Sc
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Scene")]
 pub struct EnvironmentArgs {
-    /// Light from all around: an .exr or .hdr image in latitude and longitude, `constant`, `constant:R,G,B`, or a clear
-    /// sky with its sun, `sky:ELEVATION,TURBIDITY`.
+    /// Light from all around: an .exr or .hdr image in latitude and longitude, `gradient`, `constant`, `constant:R,G,B`,
+    /// or a clear sky with its sun, `sky:ELEVATION,TURBIDITY`.
     ///
     /// It is added to the lights of the scene, and replaces the environment of the override file. The centre of an image
     /// is seen along -z; its values are radiance in W/(m²·sr). ELEVATION of the sun is 0 to 90 degrees, TURBIDITY 1 to 10
-    /// (3: a clear day); the sun stands above -z.
-    #[arg(long, value_name = "FILE|constant[:R,G,B]|sky:E,T")]
+    /// (3: a clear day); the sun stands above -z. `gradient`, which a scene without any light has, is radiance 1 + 0.9 d·ω from
+    /// direction ω, with the unit vector d along (-2, 4, 3).
+    #[arg(long, value_name = "FILE|gradient|constant[:R,G,B]|sky:E,T")]
     pub environment: Option<EnvironmentName>,
     /// Rotate the environment, in degrees, counter-clockwise as seen from +y.
     #[arg(

@@ -109,7 +109,7 @@ const OTHERS: [(&[&str], &str); 8] = [
     (&["--verbose", "-v"], "all messages are shown; --json FILE writes the details of a render"),
     (&["--fov"], "--camera NAME, or fov_degrees of [[cameras]] in an override file"),
     (&["--quiet", "-q"], "progress and warnings go to standard error: 2> /dev/null hides them"),
-    (&["--hdri", "--envmap", "--light"], "--environment FILE.exr, or sky:30,3, or constant"),
+    (&["--hdri", "--envmap", "--light"], "--environment FILE.exr, or sky:30,3, gradient, constant"),
     (&["--out", "-O"], "-o FILE.png or -o FILE.exr"),
 ];
 

@@ -125,7 +125,7 @@ fn a_job_array_is_a_single_render() {
 fn a_film_ends_at_a_target_error() {
     let folder = folder("film-target");
     let [alone, part, more] = ["alone", "part", "more"].map(|name| folder.join(name).with_extension("film"));
-    let target = ["--target-error", "0.2", "--share", "0.9"];
+    let target = ["--target-error", "0.16", "--share", "0.9"];
     let blocks = ["--grain", "2"];
     succeeded(&render(&alone, &[&blocks[..], &target].concat()));
     let expected = film(&alone);
@@ -146,7 +146,7 @@ fn a_film_ends_at_a_target_error() {
     };
     assert_eq!(missing(run("info", &[&[name][..], &target].concat())), 0);
     // Half of the error takes several times as many passes; a job array renders them.
-    let half = ["--target-error", "0.1", "--share", "0.9"];
+    let half = ["--target-error", "0.08", "--share", "0.9"];
     let needed = missing(run("info", &[&[name][..], &half].concat()));
     assert!(needed >= expected.passes && needed.is_multiple_of(2), "{needed}");
     let range = format!("{}..{}", expected.passes, expected.passes + 2);

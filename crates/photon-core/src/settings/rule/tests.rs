@@ -72,15 +72,15 @@ fn camera_samples_and_shadow_rays_balance_time_and_noise() {
         FirstPass { once_seconds, camera_seconds, shadow_ray_seconds, seconds_left: 1e9, ..alone }
     };
     let open = |seconds, noise| found(first(seconds, noise), OPEN);
-    // A sample has 4 rays and takes 8 s; its variance is 2.
-    assert_eq!(open([400.0, 4.0, 1.0], [1.0, 1.0, 4.0]), (10, 4));
+    // A sample has 4 rays, as 4^(5/2) is 4 · (12 + 4) / 2, and takes 8 s; its variance is 1.5.
+    assert_eq!(open([400.0, 4.0, 1.0], [1.0, 1.0, 4.0]), (9, 4), "√(400 · 1.5 / 8)");
     let some = first([400.0, 4.0, 1.0], [1.0, 1.0, 4.0]);
-    assert_eq!(found(some, Fixed { camera_samples: true, ..OPEN }), (1, 28), "√(404 · 4 / 2)");
-    assert_eq!(found(some, Fixed { shadow_rays: true, ..OPEN }), (12, 3), "√(400 · 7/3 / 7)");
+    assert_eq!(found(some, Fixed { camera_samples: true, ..OPEN }), (1, 17), "(4 · (1212 + 17) / 4)^(2/5)");
+    assert_eq!(found(some, Fixed { shadow_rays: true, ..OPEN }), (10, 3), "√(400 · (1 + 4 · 3^(−3/2)) / 7)");
     assert_eq!(found(some, Fixed { shadow_rays: true, camera_samples: true, ..OPEN }), (1, 3));
     // One sample: all noise is of maps, or of what shadow rays find.
     assert_eq!(open([9.0, 1.0, 1.0], [1.0, 0.0, 0.0]), (1, 1));
-    assert_eq!(open([9.0, 1.0, 1.0], [1.0, 0.0, 10.0]), (1, 10));
+    assert_eq!(open([9.0, 1.0, 1.0], [1.0, 0.0, 10.0]), (1, 8), "(10 · (30 + 8) / 2)^(2/5)");
     // Many: no noise is of maps; and as many as there is time for, in as many passes as of a preview.
     assert_eq!(open([9.0, 1.0, 1.0], [0.0, 1.0, 0.0]), (64, 1));
     let passes = f64::from(Preset::Preview.passes());

@@ -221,16 +221,10 @@ impl Eye<'_> {
 
     /// The first path of a pixel. `LENS`: the camera has a lens.
     pub(super) fn first<const LENS: bool>(&self, x: u32, y: u32) -> Path {
-        let number = y * self.view.width + x;
-        let [a, b, c, d] = self.sampler(number, 0).words(BLOCK_START);
+        let own = self.sampler(y * self.view.width + x, 0);
+        let [[_, _, c, d], [a, b, ..]] = [own, own.of_first_sample()].map(|mut sampler| sampler.words(BLOCK_START));
         // Points of further samples follow that of the first.
-        let [a, b] = match self.pass.sample {
-            0 => [a, b],
-            sample => {
-                let [a, b, ..] = self.sampler(number, 0).of_first_sample().words(BLOCK_START);
-                evenly_spread([a, b], sample)
-            }
-        };
+        let [a, b] = evenly_spread([a, b], self.pass.sample);
         let camera = &self.view.camera;
         let across = 2.0 * (x as f32 + unit_f32(a)) / self.view.width as f32 - 1.0;
         let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;

@@ -45,6 +45,7 @@ impl CpuFilm {
             }
             Ok(())
         };
+        // One row at a time, as in all stages: rayon alone makes four parts for two threads, of which one may have all the work.
         on.pool.install(|| rows.into_par_iter().with_max_len(1).enumerate().try_for_each(each_row))
     }
 }

@@ -31,8 +31,8 @@ const CAUSTIC_PIXELS: f64 = 0.05;
 /// cost of more rays, then weighs less than the blotches of maps.
 const MOST_INDIRECT: f64 = 2.0 / 3.0;
 
-/// Shadow rays of a query of a number of passes where direct light exceeds indirect light: of their variance an eighth remains of
-/// that of two, and as they start at one point, they take less time than as many camera paths.
+/// Shadow rays of a query of a number of passes where direct light exceeds indirect light: their variance is about
+/// `(2/8)^(3/2)` of that of two, and as they start at one point, they take less time than as many camera paths.
 const SHADOW_RAYS: u32 = 8;
 
 /// Most camera samples of a pass, and most shadow rays of a query: with as many, a pass takes hardly less time for each of them, and

@@ -36,6 +36,13 @@ fn look<B: TransportBackend>(on: &mut B, scene: &Scene, passes: &[u32]) -> (Vec<
     look_with(on, scene, [SIZE; 2], passes, Requirements::of(&scene.view(), &settings()))
 }
 
+/// Queries of a pass whose camera is moved by one unit in the last place.
+fn look_nudged(on: &mut Cpu, scene: &Scene, pass: u32) -> Vec<Query> {
+    let mut view = view(scene, SIZE, SIZE);
+    view.camera.origin = view.camera.origin.map(f32::next_up);
+    look_at(on, scene, &view, &[pass], Requirements::of(&scene.view(), &settings())).0
+}
+
 fn look_with<B: TransportBackend>(
     on: &mut B,
     scene: &Scene,
@@ -43,14 +50,24 @@ fn look_with<B: TransportBackend>(
     passes: &[u32],
     required: Requirements,
 ) -> (Vec<Query>, Film) {
-    let (scene_view, view, settings) = (scene.view(), view(scene, width, height), settings());
+    look_at(on, scene, &view(scene, width, height), passes, required)
+}
+
+fn look_at<B: TransportBackend>(
+    on: &mut B,
+    scene: &Scene,
+    view: &View,
+    passes: &[u32],
+    required: Requirements,
+) -> (Vec<Query>, Film) {
+    let (scene_view, settings) = (scene.view(), settings());
     let mut film = on.film(scene_view.units, view.width, view.height).unwrap();
     let prepared = on.prepare(&scene_view, &required).unwrap();
     let mut stages = on.stages(&required, &settings).unwrap();
     let mut queries = on.alloc("queries", u64::from(view.width * view.height) * 4).unwrap();
     let mut all = Vec::new();
     for &index in passes {
-        stages.eye.trace_eye(on, &prepared, &view, pass(index), &mut film, &mut queries).unwrap();
+        stages.eye.trace_eye(on, &prepared, view, pass(index), &mut film, &mut queries).unwrap();
         on.end_pass(&mut film).unwrap();
         let mut found = Vec::new();
         on.download(&queries, &mut found).unwrap();
@@ -117,7 +134,9 @@ fn camera_paths_are_the_same_paths() {
             a.len(),
             b.len()
         );
-        assert!(found >= 0.998, "{name}: {found}");
+        // Reflection at many surfaces amplifies rounding errors: so much also changes if the camera is nudged once.
+        let nudged = share(&a, &look_nudged(&mut cpu, &scene, 3));
+        assert!(1.0 - found <= 0.002 + 3.0 * (1.0 - nudged), "{name}: {found} as against {nudged}");
         assert!(worst < 1e-3 && total < 1e-3, "{name}: {worst} {total}");
         let first = |film: &Film| (film.depth(), film.normal(), film.albedo());
         let ((depth_a, normal_a, albedo_a), (depth_b, normal_b, albedo_b)) = (first(&film_a), first(&film_b));

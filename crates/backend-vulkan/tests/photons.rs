@@ -41,11 +41,14 @@ struct How {
     capacity: u64,
     random: RandomKind,
     paths: u32,
+    /// Whether the direction of each ray is changed by one unit in the last place.
+    is_nudged: bool,
 }
 
 impl Default for How {
     fn default() -> Self {
-        Self { settings: settings(), cuts: Vec::new(), capacity: 1 << 20, random: RandomKind::Counter, paths: PATHS }
+        let random = RandomKind::Counter;
+        Self { settings: settings(), cuts: Vec::new(), capacity: 1 << 20, random, paths: PATHS, is_nudged: false }
     }
 }
 
@@ -64,10 +67,14 @@ fn trace<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> TraceOutp
         let pass = Pass { seed: 11, index: 3, random: how.random, sample: 0, samples: 1 };
         let batch = Batch { pass, paths: range[0]..range[1] };
         stages.emitter.emit(on, &prepared, &batch, &mut rays).unwrap();
-        let deposits = buffers.each_mut().map(Some);
-        stages.tracer.trace(on, &prepared, &batch, &rays, deposits).unwrap();
         let mut home = Vec::new();
         on.download(&rays, &mut home).unwrap();
+        if how.is_nudged {
+            home.iter_mut().for_each(|ray| ray.direction = ray.direction.map(f32::next_up));
+            rays = on.upload("rays", &home).unwrap();
+        }
+        let deposits = buffers.each_mut().map(Some);
+        stages.tracer.trace(on, &prepared, &batch, &rays, deposits).unwrap();
         all.extend(home);
     }
     let needed = buffers.each_ref().map(|buffer| on.fill(buffer).unwrap().needed);
@@ -131,6 +138,7 @@ fn photons_are_those_of_the_processor() {
     {
         let (scene, how) = (scene(name), How { random, ..How::default() });
         let (a, b) = (trace(&mut cpu, &scene, &how), trace(&mut gpu, &scene, &how));
+        let nudged = trace(&mut cpu, &scene, &How { is_nudged: true, ..how });
         let bound = power_bound(name);
         let rays = a.rays.iter().zip(&b.rays).filter(|(a, b)| same_ray(a, b, bound)).count();
         assert_eq!(rays, PATHS as usize, "{name}: rays");
@@ -142,9 +150,11 @@ fn photons_are_those_of_the_processor() {
             let share = share(ours, theirs);
             let bits = ours.iter().zip(theirs).filter(|(a, b)| a == b).count();
             println!("{name}, {random:?}, {map} map: {} photons, {share:.5} near, {bits} the same", theirs.len());
-            // A path that diverges once stays different: about one path in ten thousand where surfaces are
-            // curved, since reflection and refraction amplify rounding errors.
-            assert!(share > 0.99 || ours.is_empty(), "{name}: {map} map: {share}");
+            // A path that diverges once stays different. Reflection and refraction at curved surfaces amplify rounding
+            // errors, of which there is one for each surface: so much also changes if each ray is nudged once.
+            let nudged = self::share(ours, &nudged.photons[kind]);
+            println!("    {nudged:.5} near after a nudge");
+            assert!(1.0 - share < 0.002 + 3.0 * (1.0 - nudged) || ours.is_empty(), "{name}: {map} map: {share}");
         }
     }
 }

@@ -20,8 +20,8 @@ pub(super) fn rows() -> Vec<Row> {
         row("phase_value", 0, Bound::Relative(2e-6), scattered, |i| {
             output([phase(i, 7).value(i.vector(4), i.vector(8))])
         }),
-        // A cosine with twice the error of a division, and the sine of it.
-        row("phase_sample", 1, Bound::Conditioned(1.5e-6, "its condition", slope_of_sine), sampled, |i| {
+        // A share of the light with twice the error of a division, the cosine that belongs to it, and the sine of it.
+        row("phase_sample", 1, Bound::Conditioned(1.5e-6, "its condition", slope_of_direction), sampled, |i| {
             output(phase(i, 8).sample(i.vector(4), [i.float(7), i.float(11)]).to_array())
         }),
         // The error of a length by a division, times coefficients, and three divisions.
@@ -58,11 +58,15 @@ pub(super) fn rows() -> Vec<Row> {
     ]
 }
 
-/// Change of a sine by that of the cosine; near 0, of a sine that is the root of a rounding error.
-fn slope_of_sine(i: &Input) -> f64 {
-    let direction = phase(i, 8).sample(i.vector(4), [i.float(7), i.float(11)]);
-    let sine = i.vector(4).cross(direction).length();
-    1.0 / f64::from(sine).max(1e-3)
+/// Change of a direction by that of the random number: of the cosine, which is large where little light is scattered, and of
+/// the sine by that of the cosine; near 0, of a sine that is the root of a rounding error.
+fn slope_of_direction(i: &Input) -> f64 {
+    const STEP: f32 = 1e-3;
+    let (from, u) = (i.vector(4), i.float(7));
+    let at = |u: f32| phase(i, 8).sample(from, [u, i.float(11)]);
+    let [low, high] = [(u - STEP).max(0.0), (u + STEP).min(1.0 - STEP)];
+    let cosine = f64::from(from.dot(at(high) - at(low)).abs() / (high - low));
+    (1.0 + cosine) / f64::from(from.cross(at(u)).length()).max(1e-3)
 }
 
 fn medium(i: &Input) -> Medium {

@@ -24,6 +24,8 @@ mod load;
 mod mesh;
 mod normalise;
 mod order;
+#[cfg_attr(not(feature = "files"), expect(dead_code, reason = "files alone read all columns of its tables"))]
+mod parameter;
 mod portals;
 mod repeated;
 mod report;

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use photon_core::{Filter, TexelFormat, Texture, Wrap};
 
+use crate::parameter::TEXTURES;
+
 /// Handle of a texture of one [`crate::SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TextureId(pub(crate) u32);
@@ -291,24 +293,9 @@ impl TexturesDesc {
 
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
-        let all = [
-            ("base_color", self.base_color),
-            ("emission", self.emission),
-            ("normal", self.normal),
-            ("metallic_roughness", self.metallic_roughness),
-            ("alpha", self.alpha),
-            ("specular", self.specular),
-            ("specular_color", self.specular_color),
-            ("clearcoat", self.clearcoat),
-            ("clearcoat_roughness", self.clearcoat_roughness),
-            ("clearcoat_normal", self.clearcoat_normal),
-            ("anisotropy", self.anisotropy),
-            ("diffuse_transmission", self.diffuse_transmission),
-            ("diffuse_transmission_color", self.diffuse_transmission_color),
-            ("transmission", self.transmission),
-            ("sheen_color", self.sheen_color),
-            ("sheen_roughness", self.sheen_roughness),
-        ];
-        all.into_iter().filter_map(|(name, used)| Some((name, used?)))
+        let textures = *self;
+        let all = TEXTURES.iter().map(move |texture| (texture.field, texture.of(&textures)));
+        let all = all.chain([("alpha", self.alpha)]);
+        all.filter_map(|(name, used)| Some((name, used?)))
     }
 }

@@ -7,6 +7,7 @@ use crate::describe::{AlphaMode, AmbientMedium, CameraDesc, LightDesc, MaterialD
 use crate::environment::Sun;
 use crate::error::SceneError;
 use crate::mesh::Mesh;
+use crate::parameter::{self, Layer, Range, Value};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
@@ -97,7 +98,9 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
             )?;
         }
     }
-    not_negative("scattering", desc.scattering)?;
+    for (_, layer, value) in parameter::layers(desc) {
+        within(layer, value)?;
+    }
     desc.phase.fault().map_or(Ok(()), Err)?;
     if desc.scattering != [0.0; 3] && !matches!(desc.surface, Surface::Dielectric { .. } | Surface::Boundary { .. }) {
         let hint = "light is scattered inside solid glass alone: make it glass or a boundary, or leave scattering out";
@@ -111,22 +114,6 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
         grid.fault().map_or(Ok(()), Err)?;
     }
     not_negative("emission", desc.emission)?;
-    not_negative("specular_color", desc.specular_color)?;
-    fractions("diffuse_transmission_color", desc.diffuse_transmission_color)?;
-    fractions("sheen_color", desc.sheen_color)?;
-    let shares = [
-        ("clearcoat", desc.clearcoat),
-        ("clearcoat_roughness", desc.clearcoat_roughness),
-        ("anisotropy", desc.anisotropy),
-        ("diffuse_transmission", desc.diffuse_transmission),
-        ("transmission", desc.transmission),
-        ("sheen_roughness", desc.sheen_roughness),
-    ];
-    for (name, share) in shares {
-        require((0.0..=1.0).contains(&share), name, share, "it must lie between 0 and 1")?;
-    }
-    let rotation = desc.anisotropy_rotation;
-    require(rotation.is_finite(), "anisotropy_rotation", rotation, "it must be a finite number")?;
     let narrow = desc.specular_color.iter().all(|part| (*part as f32).is_finite());
     require(narrow, "specular_color", desc.specular_color, "each channel must be finite in single precision")?;
     require((0.0..=1.0).contains(&desc.alpha), "alpha", desc.alpha, "it must lie between 0 and 1")?;
@@ -148,6 +135,24 @@ fn material(desc: &MaterialDesc) -> Result<(), Fault> {
         desc.alpha_mode,
         "the boundary of a solid must be closed; make it opaque, or a thin sheet",
     )
+}
+
+/// Checks the range of a parameter.
+fn within(Layer { field, range, .. }: Layer, value: Value) -> Result<(), Fault> {
+    match (range, value) {
+        (Range::Share, Value::Number(share)) => {
+            require((0.0..=1.0).contains(&share), field, share, "it must lie between 0 and 1")
+        }
+        (Range::Share, Value::Color(color)) => fractions(field, color),
+        (Range::NotNegative, value) => {
+            let fine = value.numbers().iter().all(|part| part.is_finite() && *part >= 0.0);
+            require(fine, field, value, "each channel must be a finite number, at least 0")
+        }
+        (Range::Finite, value) => {
+            let fine = value.numbers().iter().all(|part| part.is_finite());
+            require(fine, field, value, "it must be a finite number")
+        }
+    }
 }
 
 fn ambient(medium: &AmbientMedium) -> Result<(), Fault> {

@@ -1,6 +1,7 @@
 //! Whether extras still belong to the object that they are attached to.
 
 use crate::describe::{CameraDesc, LightDesc, MaterialDesc, Projection, Surface};
+use crate::parameter::{self, Kind, Value};
 
 /// Whether the extras refine the single-precision glTF content, or are stale because that was changed.
 pub(crate) trait Agrees {
@@ -29,77 +30,46 @@ fn strength(desc: &MaterialDesc) -> f64 {
     both.map_or(0.0, |(dispersion, ior)| dispersion.strength(ior))
 }
 
+/// The surface of the file as that which was written: glTF has no perfect mirrors, which are written as smooth metals, and no
+/// boundaries, which are written as glass.
+fn as_written(found: &Surface, exact: &Surface) -> Surface {
+    match (found, exact) {
+        (Surface::Glossy { base_color, metallic, roughness: 0.0, .. }, Surface::Mirror { .. })
+            if close(*metallic, 1.0) =>
+        {
+            Surface::Mirror { reflectance: *base_color }
+        }
+        (Surface::Dielectric { ior, absorption, tint, roughness: 0.0 }, Surface::Boundary { .. })
+            if close(*ior, 1.0) && all_close(*tint, [1.0; 3]) =>
+        {
+            Surface::Boundary { absorption: *absorption }
+        }
+        _ => found.clone(),
+    }
+}
+
 impl Agrees for MaterialDesc {
     fn agrees(&self, exact: &Self) -> bool {
-        let surface = match (&self.surface, &exact.surface) {
-            (Surface::Lambert { albedo: a }, Surface::Lambert { albedo: b })
-            | (Surface::Mirror { reflectance: a }, Surface::Mirror { reflectance: b }) => all_close(*a, *b),
-            // glTF has no perfect mirrors: they are written as smooth metals.
-            (Surface::Glossy { base_color, metallic, roughness, .. }, Surface::Mirror { reflectance }) => {
-                close(*metallic, 1.0) && *roughness == 0.0 && all_close(*base_color, *reflectance)
-            }
-            (
-                Surface::Dielectric { ior, absorption, tint, roughness },
-                Surface::Dielectric {
-                    ior: exact_ior,
-                    absorption: exact_absorption,
-                    tint: exact_tint,
-                    roughness: exact_roughness,
-                },
-            ) => {
-                close(*ior, *exact_ior)
-                    && close(*roughness, *exact_roughness)
-                    && all_close(*absorption, *exact_absorption)
-                    && all_close(*tint, *exact_tint)
-            }
-            // glTF has no boundaries: they are written as glass.
-            (Surface::Dielectric { ior, absorption, tint, roughness }, Surface::Boundary { absorption: exact }) => {
-                close(*ior, 1.0) && *roughness == 0.0 && all_close(*absorption, *exact) && all_close(*tint, [1.0; 3])
-            }
-            (
-                Surface::Thin { ior, tint, roughness },
-                Surface::Thin { ior: exact_ior, tint: exact_tint, roughness: exact_roughness },
-            ) => close(*ior, *exact_ior) && close(*roughness, *exact_roughness) && all_close(*tint, *exact_tint),
-            (
-                Surface::Glossy { base_color, metallic, roughness, specular, ior },
-                Surface::Glossy {
-                    base_color: exact_color,
-                    metallic: exact_metallic,
-                    roughness: exact_roughness,
-                    specular: exact_specular,
-                    ior: exact_ior,
-                },
-            ) => {
-                let pairs = [
-                    (metallic, exact_metallic),
-                    (roughness, exact_roughness),
-                    (specular, exact_specular),
-                    (ior, exact_ior),
-                ];
-                all_close(*base_color, *exact_color) && pairs.into_iter().all(|(a, b)| close(*a, *b))
-            }
+        let surface = as_written(&self.surface, &exact.surface);
+        if Kind::of(&surface) != Kind::of(&exact.surface) {
+            return false;
+        }
+        let found = Self { surface, ..self.clone() };
+        let mut pairs = parameter::values(&found).zip(parameter::values(exact));
+        let parameters = pairs.all(|((parameter, found), (_, exact))| match (found, exact) {
+            // It is written into the extras alone.
+            (Value::Color([0.0, 0.0, 0.0]), _) if parameter.key == "scattering" => true,
+            (Value::Number(a), Value::Number(b)) => close(a, b),
+            (Value::Color(a), Value::Color(b)) => all_close(a, b),
             _ => false,
-        };
+        });
         // Whether a non-emissive surface is double-sided does not matter.
         let sides = !self.is_emissive() || !exact.is_emissive() || self.emits_both_sides == exact.emits_both_sides;
-        let coat = all_close(self.specular_color, exact.specular_color)
-            && close(self.clearcoat, exact.clearcoat)
-            && close(self.clearcoat_roughness, exact.clearcoat_roughness)
-            && close(self.anisotropy, exact.anisotropy)
-            && close(self.anisotropy_rotation, exact.anisotropy_rotation)
-            && close(self.diffuse_transmission, exact.diffuse_transmission)
-            && close(self.transmission, exact.transmission)
-            && match (self.transmission_absorption, exact.transmission_absorption) {
-                (Some(found), Some(exact)) => all_close(found, exact),
-                (found, exact) => found == exact,
-            }
-            && close(strength(self), strength(exact))
-            // It is written into the extras alone.
-            && (self.scattering == [0.0; 3] || all_close(self.scattering, exact.scattering))
-            && all_close(self.diffuse_transmission_color, exact.diffuse_transmission_color)
-            && all_close(self.sheen_color, exact.sheen_color)
-            && close(self.sheen_roughness, exact.sheen_roughness);
-        surface && coat && sides && all_close(self.emission, exact.emission)
+        let inside = match (self.transmission_absorption, exact.transmission_absorption) {
+            (Some(found), Some(exact)) => all_close(found, exact),
+            (found, exact) => found == exact,
+        };
+        parameters && sides && inside && close(strength(self), strength(exact)) && all_close(self.emission, exact.emission)
     }
 }
 

@@ -15,13 +15,6 @@ impl Default for Exact {
     }
 }
 
-impl Exact {
-    /// Whether it need not be written.
-    pub(super) fn is_zero(&self) -> bool {
-        self.0.to_bits() == 0
-    }
-}
-
 impl Serialize for Exact {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         // The shortest text that parses to the same number.

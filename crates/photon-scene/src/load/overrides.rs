@@ -10,10 +10,11 @@ use self::frame::Frame;
 use self::message::{Message, kinds_with};
 use super::budget::{Budget, LoadOptions};
 use super::light_units::LightUnits;
-use super::schema::{File, Kind, Material};
+use super::schema::{File, Material};
 use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, Dispersion, MaterialDesc, PhaseDesc, PhaseKeys, Surface};
 use crate::error::SceneError;
+use crate::parameter::{self, Kind, PARAMETERS, Parameter, Value};
 use crate::report::LoadReport;
 use crate::similar;
 use crate::texture::TexturesDesc;
@@ -185,34 +186,12 @@ impl Overrides {
     }
 
     fn change(&self, desc: &mut MaterialDesc, with: &Material, budget: &Budget) -> Result<(), SceneError> {
-        let before = kind_of(&desc.surface);
+        let before = Kind::of(&desc.surface);
         let kind = with.kind.unwrap_or(before);
         if kind != before {
-            // A texture keeps its factor, and a sheet or solid that had one too; diffuse and glossy surfaces their colour.
-            let has_base = |kind: Kind| matches!(kind, Kind::Lambert | Kind::Glossy);
-            let keeps = desc.textures.base_color.is_some() || has_base(kind) && has_base(before);
-            let color = keeps.then(|| color_of(&desc.surface));
-            desc.surface = match kind {
-                Kind::Lambert => Surface::Lambert { albedo: color.unwrap_or([0.5; 3]) },
-                Kind::Mirror => Surface::Mirror { reflectance: color.unwrap_or([1.0; 3]) },
-                Kind::Glass => Surface::Dielectric { ior: 1.5, absorption: [0.0; 3], tint: [1.0; 3], roughness: 0.0 },
-                Kind::Boundary => MaterialDesc::boundary("", [0.0; 3]).surface,
-                Kind::Thin => Surface::Thin { ior: 1.5, tint: [1.0; 3], roughness: 0.0 },
-                Kind::Glossy => Surface::Glossy {
-                    base_color: color.unwrap_or([0.5; 3]),
-                    metallic: 0.0,
-                    roughness: 0.5,
-                    specular: 1.0,
-                    ior: 1.5,
-                },
-            };
+            become_kind(desc, kind, before);
         }
         let is_boundary = kind == Kind::Boundary;
-        if is_boundary {
-            // It changes the medium, and nothing else.
-            (desc.textures, desc.dispersion) = (TexturesDesc::default(), None);
-            (desc.emission, desc.emits_both_sides) = ([0.0; 3], false);
-        }
         if is_boundary || kind == Kind::Glass || kind != before {
             // Another kind of surface is there everywhere, and a solid always is.
             (desc.alpha, desc.alpha_mode, desc.textures.alpha) = (1.0, AlphaMode::Opaque, None);
@@ -221,182 +200,97 @@ impl Overrides {
             let alpha_mode = if alpha == 1.0 { AlphaMode::Opaque } else { AlphaMode::Blend };
             (desc.alpha, desc.alpha_mode, desc.textures.alpha) = (alpha, alpha_mode, None);
         }
-        if with.albedo.is_some() || with.tint.is_some() {
-            desc.textures.base_color = None;
-        }
-        if with.emission.is_some() {
-            desc.textures.emission = None;
-        }
-        let (mut new_albedo, mut new_ior) = (with.albedo, with.ior);
-        let (mut new_tint, mut new_absorption) = (with.tint, with.absorption);
-        let (mut new_priority, mut new_specular_color) = (with.priority, with.specular_color);
-        let (mut new_metallic, mut new_roughness, mut new_specular) = (with.metallic, with.roughness, with.specular);
-        if with.metallic.is_some() || with.roughness.is_some() || kind != before {
-            desc.textures.metallic_roughness = None;
-        }
-        if with.specular.is_some() || kind != before {
-            desc.textures.specular = None;
-        }
-        if with.clearcoat.is_some() {
-            desc.textures.clearcoat = None;
-        }
-        if with.clearcoat_roughness.is_some() {
-            desc.textures.clearcoat_roughness = None;
-        }
-        if kind != before {
-            (desc.clearcoat, desc.clearcoat_roughness) = (0.0, 0.0);
-            (desc.textures.clearcoat, desc.textures.clearcoat_roughness) = (None, None);
-            desc.textures.clearcoat_normal = None;
-        }
-        let (mut new_clearcoat, mut new_clearcoat_roughness) = (with.clearcoat, with.clearcoat_roughness);
-        let is_glass = matches!(kind, Kind::Glass | Kind::Boundary | Kind::Thin);
-        if !is_glass {
-            desc.clearcoat = new_clearcoat.take().unwrap_or(desc.clearcoat);
-            desc.clearcoat_roughness = new_clearcoat_roughness.take().unwrap_or(desc.clearcoat_roughness);
-        }
-        if with.sheen.is_some() || kind != before {
-            (desc.sheen_color, desc.textures.sheen_color) = ([0.0; 3], None);
-        }
-        if with.sheen_roughness.is_some() || kind != before {
-            (desc.sheen_roughness, desc.textures.sheen_roughness) = (0.0, None);
-        }
-        let (mut new_sheen, mut new_sheen_roughness) = (with.sheen, with.sheen_roughness);
-        if !is_glass {
-            desc.sheen_color = new_sheen.take().map_or(desc.sheen_color, |given| given.rgb());
-            desc.sheen_roughness = new_sheen_roughness.take().unwrap_or(desc.sheen_roughness);
-        }
-        if with.diffuse_transmission.is_some() {
-            desc.textures.diffuse_transmission = None;
-        }
-        if with.diffuse_transmission_color.is_some() {
-            desc.textures.diffuse_transmission_color = None;
-        }
-        let (mut new_transmission, mut new_transmission_color) =
-            (with.diffuse_transmission, with.diffuse_transmission_color);
-        if matches!(kind, Kind::Lambert | Kind::Glossy) {
-            let color = new_transmission_color.take();
-            desc.diffuse_transmission = new_transmission.take().unwrap_or(desc.diffuse_transmission);
-            desc.diffuse_transmission_color = color.map_or(desc.diffuse_transmission_color, |given| given.rgb());
-        } else {
-            (desc.diffuse_transmission, desc.diffuse_transmission_color) = (0.0, [1.0; 3]);
-            (desc.textures.diffuse_transmission, desc.textures.diffuse_transmission_color) = (None, None);
-        }
-        if with.transmission.is_some() || kind != before {
-            (desc.transmission, desc.textures.transmission) = (0.0, None);
-        }
-        if kind != before {
-            desc.transmission_absorption = None;
-            (desc.scattering, desc.phase, desc.grid) = ([0.0; 3], PhaseDesc::default(), None);
-        }
-        let mut new_scattering = with.scattering;
-        let (mut new_phase, mut new_droplets) = (with.phase.as_deref(), with.droplet_micrometres);
-        let mut new_dispersion = self.dispersion(&desc.name, with)?;
-        // One that gives the refractive index itself is replaced by another index.
-        let is_replaced = with.ior.is_some() && !matches!(desc.dispersion, Some(Dispersion::Abbe(_)));
-        if kind != before || is_replaced {
-            desc.dispersion = None;
-        }
-        let mut new_share = with.transmission;
-        if with.anisotropy.is_some() || with.anisotropy_degrees.is_some() || kind != before {
-            desc.textures.anisotropy = None;
-        }
-        if kind != before {
-            (desc.anisotropy, desc.anisotropy_rotation) = (0.0, 0.0);
-        }
-        let (mut new_anisotropy, mut new_rotation) = (with.anisotropy, with.anisotropy_degrees);
-        if with.specular_color.is_some() || kind != before {
-            (desc.specular_color, desc.textures.specular_color) = ([1.0; 3], None);
-        }
-        match &mut desc.surface {
-            Surface::Lambert { albedo: colour } | Surface::Mirror { reflectance: colour } => {
-                *colour = new_albedo.take().map_or(*colour, |given| given.rgb());
+        let is_filled = matches!(kind, Kind::Glass | Kind::Boundary);
+        // Keys that the kind does not have.
+        let mut left = Vec::new();
+        for parameter in PARAMETERS {
+            let Some(value) = with.value(parameter.key) else { continue };
+            match parameter.key {
+                // Of the phase function.
+                "anisotropy" if is_filled => continue,
+                // Of the share that is glass.
+                "absorption" if kind == Kind::Glossy => continue,
+                _ => {}
             }
-            Surface::Dielectric { ior, absorption, tint, roughness } => {
-                *roughness = new_roughness.take().unwrap_or(*roughness);
-                *ior = new_ior.take().unwrap_or(*ior);
-                *tint = new_tint.take().map_or(*tint, |given| given.rgb());
-                *absorption = new_absorption.take().map_or(*absorption, |given| given.rgb());
+            if let Some(texture) = parameter.texture() {
+                *texture.of_mut(&mut desc.textures) = None;
             }
-            Surface::Boundary { absorption } => {
-                *absorption = new_absorption.take().map_or(*absorption, |given| given.rgb());
-            }
-            Surface::Thin { ior, tint, roughness } => {
-                *roughness = new_roughness.take().unwrap_or(*roughness);
-                *ior = new_ior.take().unwrap_or(*ior);
-                *tint = new_tint.take().map_or(*tint, |given| given.rgb());
-            }
-            Surface::Glossy { base_color, metallic, roughness, specular, ior } => {
-                desc.specular_color = new_specular_color.take().map_or(desc.specular_color, |given| given.rgb());
-                *base_color = new_albedo.take().map_or(*base_color, |given| given.rgb());
-                *metallic = new_metallic.take().unwrap_or(*metallic);
-                *roughness = new_roughness.take().unwrap_or(*roughness);
-                *specular = new_specular.take().unwrap_or(*specular);
-                *ior = new_ior.take().unwrap_or(*ior);
-                desc.transmission = new_share.take().unwrap_or(desc.transmission);
-                if desc.transmission > 0.0 {
-                    let inside = new_absorption.take().map(|given| given.rgb());
-                    desc.transmission_absorption = inside.or(desc.transmission_absorption);
-                    desc.priority = new_priority.take().unwrap_or(desc.priority);
-                }
-                desc.anisotropy = new_anisotropy.take().unwrap_or(desc.anisotropy);
-                desc.anisotropy_rotation = new_rotation.take().map_or(desc.anisotropy_rotation, f64::to_radians);
+            if !parameter.set(desc, parameter.from_files(value)) {
+                left.push(parameter.key);
             }
         }
-        if is_boundary || kind == Kind::Glass {
-            desc.scattering = new_scattering.take().map_or(desc.scattering, |given| given.rgb());
+        let is_partly_glass = kind == Kind::Glossy && desc.transmission > 0.0;
+        if is_partly_glass {
+            let inside = with.absorption.map(|given| given.rgb());
+            desc.transmission_absorption = inside.or(desc.transmission_absorption);
+        }
+        if is_filled || is_partly_glass {
+            desc.priority = with.priority.unwrap_or(desc.priority);
+        }
+        if is_filled {
             let keys = PhaseKeys {
-                phase: new_phase.take(),
-                anisotropy: new_anisotropy.take(),
-                droplet_micrometres: new_droplets.take(),
+                phase: with.phase.as_deref(),
+                anisotropy: with.anisotropy,
+                droplet_micrometres: with.droplet_micrometres,
             };
             desc.phase = self.phase(&format!("material '{}'", desc.name), desc.phase, keys)?;
-            desc.priority = new_priority.take().unwrap_or(desc.priority);
             desc.grid = self.grid(&desc.name, desc.grid.as_ref(), with, budget)?;
         }
-        if desc.is_solid()
-            && let Some(dispersion) = new_dispersion.take()
-        {
-            *desc = desc.clone().with_dispersion(dispersion);
+        // A formula that gives the refractive index itself is replaced by another index.
+        if with.ior.is_some() && !matches!(desc.dispersion, Some(Dispersion::Abbe(_))) {
+            desc.dispersion = None;
         }
-        let has_medium = matches!(kind, Kind::Glass | Kind::Boundary);
-        let left = [
-            ("albedo", new_albedo.is_some()),
-            ("ior", new_ior.is_some()),
-            (new_dispersion.map_or("dispersion", Dispersion::name), new_dispersion.is_some()),
-            ("tint", new_tint.is_some()),
-            ("absorption", new_absorption.is_some()),
-            ("scattering", new_scattering.is_some()),
-            ("phase", new_phase.is_some()),
-            ("droplet_micrometres", new_droplets.is_some()),
-            ("grid", !has_medium && with.grid.is_some()),
-            ("transform", !has_medium && with.transform.is_some()),
-            ("density_scale", !has_medium && with.density_scale.is_some()),
-            ("priority", new_priority.is_some()),
-            ("metallic", new_metallic.is_some()),
-            ("roughness", new_roughness.is_some()),
-            ("specular", new_specular.is_some()),
-            ("specular_color", new_specular_color.is_some()),
-            ("clearcoat", new_clearcoat.is_some()),
-            ("clearcoat_roughness", new_clearcoat_roughness.is_some()),
-            ("anisotropy", new_anisotropy.is_some()),
-            ("anisotropy_degrees", new_rotation.is_some()),
-            ("diffuse_transmission", new_transmission.is_some()),
-            ("diffuse_transmission_color", new_transmission_color.is_some()),
-            ("transmission", new_share.is_some()),
-            ("sheen", new_sheen.is_some()),
-            ("sheen_roughness", new_sheen_roughness.is_some()),
+        if let Some(dispersion) = self.dispersion(&desc.name, with)? {
+            if desc.is_solid() {
+                *desc = desc.clone().with_dispersion(dispersion);
+            } else {
+                left.push(dispersion.name());
+            }
+        }
+        let others = [
+            ("absorption", kind == Kind::Glossy && !is_partly_glass && with.absorption.is_some()),
+            ("priority", !is_filled && !is_partly_glass && with.priority.is_some()),
+            ("phase", !is_filled && with.phase.is_some()),
+            ("droplet_micrometres", !is_filled && with.droplet_micrometres.is_some()),
+            ("grid", !is_filled && with.grid.is_some()),
+            ("transform", !is_filled && with.transform.is_some()),
+            ("density_scale", !is_filled && with.density_scale.is_some()),
             ("emission", is_boundary && with.emission.is_some()),
             ("emits_both_sides", is_boundary && with.emits_both_sides.is_some()),
         ];
-        if let Some((property, _)) = left.into_iter().find(|(_, left)| *left) {
-            let kind = format!("{kind:?}").to_lowercase();
-            let what = format!("material '{}' is of kind {kind} and has no {property}", desc.name);
+        left.extend(others.into_iter().filter_map(|(key, is_left)| is_left.then_some(key)));
+        if let Some(property) = left.first() {
+            let what = format!("material '{}' is of kind {} and has no {property}", desc.name, kind.name());
             let hint = format!("{} it; give such a kind, or leave it out", kinds_with(property));
             return Err(self.fault(what, hint));
         }
-        desc.emission = with.emission.map_or(desc.emission, |given| given.rgb());
+        if let Some(emission) = with.emission {
+            (desc.emission, desc.textures.emission) = (emission.rgb(), None);
+        }
         desc.emits_both_sides = with.emits_both_sides.unwrap_or(desc.emits_both_sides);
         Ok(())
+    }
+}
+
+/// Gives a material a surface of another kind. The colours that belong to it stay, layers and media do not.
+fn become_kind(desc: &mut MaterialDesc, kind: Kind, before: Kind) {
+    // A texture keeps its factor, and a sheet or solid that had one too; diffuse and glossy surfaces their colour.
+    let has_base = |kind: Kind| matches!(kind, Kind::Lambert | Kind::Glossy);
+    let keeps = desc.textures.base_color.is_some() || has_base(kind) && has_base(before);
+    let color = keeps.then(|| color_of(&desc.surface));
+    desc.surface = kind.surface();
+    if let (Some(color), Some(albedo)) = (color, Parameter::find("albedo")) {
+        albedo.set(desc, Value::Color(color));
+    }
+    parameter::remove_layers(desc);
+    let TexturesDesc { base_color, emission, normal, normal_scale, alpha, .. } = desc.textures;
+    desc.textures = TexturesDesc { base_color, emission, normal, normal_scale, alpha, ..TexturesDesc::default() };
+    (desc.transmission_absorption, desc.dispersion) = (None, None);
+    (desc.phase, desc.grid) = (PhaseDesc::default(), None);
+    if kind == Kind::Boundary {
+        // It changes the medium, and nothing else.
+        desc.textures = TexturesDesc::default();
+        (desc.emission, desc.emits_both_sides) = ([0.0; 3], false);
     }
 }
 
@@ -408,17 +302,5 @@ fn color_of(surface: &Surface) -> [f64; 3] {
         Surface::Dielectric { tint, .. } | Surface::Thin { tint, .. } => tint,
         Surface::Boundary { .. } => [1.0; 3],
         Surface::Glossy { base_color, .. } => base_color,
-    }
-}
-
-/// The kind of a surface.
-fn kind_of(surface: &Surface) -> Kind {
-    match surface {
-        Surface::Boundary { .. } => Kind::Boundary,
-        Surface::Lambert { .. } => Kind::Lambert,
-        Surface::Mirror { .. } => Kind::Mirror,
-        Surface::Dielectric { .. } => Kind::Glass,
-        Surface::Thin { .. } => Kind::Thin,
-        Surface::Glossy { .. } => Kind::Glossy,
     }
 }

@@ -1,6 +1,7 @@
 //! Schema of override files. Unknown keys are errors, so that misspelt ones are found.
 
 use super::light_units::LightUnits;
+use crate::parameter::{Kind, Value};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -18,56 +19,48 @@ pub(super) struct File {
     pub(super) medium: Option<Medium>,
 }
 
-/// `[materials."name"]`: the given properties replace those of the scene.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, expecting = "the keys of a material, such as { kind = \"glass\", ior = 1.5 }")]
-pub(super) struct Material {
-    /// Adds a material to the scene instead of changing an existing one.
-    #[serde(default)]
-    pub(super) new: bool,
-    pub(super) kind: Option<Kind>,
-    pub(super) albedo: Option<Colour>,
-    pub(super) ior: Option<f64>,
-    pub(super) cauchy: Option<[f64; 2]>,
-    pub(super) abbe: Option<f64>,
-    pub(super) sellmeier: Option<[f64; 6]>,
-    pub(super) absorption: Option<Colour>,
-    pub(super) tint: Option<Colour>,
-    pub(super) scattering: Option<Colour>,
-    pub(super) phase: Option<String>,
-    pub(super) droplet_micrometres: Option<f64>,
-    pub(super) grid: Option<PathBuf>,
-    pub(super) transform: Option<[[f64; 4]; 4]>,
-    pub(super) density_scale: Option<f64>,
-    pub(super) priority: Option<u32>,
-    pub(super) metallic: Option<f64>,
-    pub(super) roughness: Option<f64>,
-    pub(super) specular: Option<f64>,
-    pub(super) specular_color: Option<Colour>,
-    pub(super) clearcoat: Option<f64>,
-    pub(super) clearcoat_roughness: Option<f64>,
-    pub(super) anisotropy: Option<f64>,
-    pub(super) anisotropy_degrees: Option<f64>,
-    pub(super) diffuse_transmission: Option<f64>,
-    pub(super) diffuse_transmission_color: Option<Colour>,
-    pub(super) transmission: Option<f64>,
-    pub(super) sheen: Option<Colour>,
-    pub(super) sheen_roughness: Option<f64>,
-    /// Share of the light that meets the surface; the rest passes. 1 is opaque.
-    pub(super) alpha: Option<f64>,
-    pub(super) emission: Option<Colour>,
-    pub(super) emits_both_sides: Option<bool>,
+/// Keys of materials: those with a type of their own, colours, and numbers.
+macro_rules! material_keys {
+    ($($special:ident: $type:ty,)* ; $($color:ident)* ; $($number:ident)*) => {
+        /// `[materials."name"]`: the given properties replace those of the scene.
+        #[derive(Clone, Debug, Deserialize)]
+        #[serde(deny_unknown_fields, expecting = "the keys of a material, such as { kind = \"glass\", ior = 1.5 }")]
+        pub(super) struct Material {
+            /// Adds a material to the scene instead of changing an existing one.
+            #[serde(default)]
+            pub(super) new: bool,
+            $(pub(super) $special: Option<$type>,)*
+            $(pub(super) $color: Option<Colour>,)*
+            $(pub(super) $number: Option<f64>,)*
+        }
+
+        impl Material {
+            /// The number or colour of a key.
+            pub(super) fn value(&self, key: &str) -> Option<Value> {
+                match key {
+                    $(stringify!($color) => self.$color.map(|given| Value::Color(given.rgb())),)*
+                    $(stringify!($number) => self.$number.map(Value::Number),)*
+                    _ => None,
+                }
+            }
+        }
+    };
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Kind {
-    Lambert,
-    Mirror,
-    Glass,
-    Boundary,
-    Thin,
-    Glossy,
+material_keys! {
+    kind: Kind,
+    cauchy: [f64; 2],
+    sellmeier: [f64; 6],
+    phase: String,
+    grid: PathBuf,
+    transform: [[f64; 4]; 4],
+    priority: u32,
+    emits_both_sides: bool,
+    ;
+    albedo absorption tint scattering specular_color diffuse_transmission_color sheen emission
+    ;
+    ior abbe droplet_micrometres density_scale metallic roughness specular clearcoat clearcoat_roughness anisotropy
+    anisotropy_degrees diffuse_transmission transmission sheen_roughness alpha
 }
 
 /// One number for all channels, or one for each.

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 
 use super::overrides::Overrides;
 use crate::builder::SceneBuilder;
-use crate::describe::{AlphaMode, AmbientMedium, CameraDesc, Dispersion, MaterialDesc, PhaseDesc, Projection, Surface};
+use crate::describe::{AlphaMode, AmbientMedium, CameraDesc, Dispersion, MaterialDesc, PhaseDesc, Projection};
+use crate::parameter::{self, Kind, Value};
 
 /// Before the materials.
 const HEAD: &str = "\
@@ -98,42 +99,24 @@ fn phase(phase: PhaseDesc) -> Vec<(&'static str, String)> {
 
 /// The keys of a material, their values, and whether the key would replace a texture.
 fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
-    let textures = &desc.textures;
-    let (colored, rough) = (textures.base_color.is_some(), textures.metallic_roughness.is_some());
-    let kind = |name: &str| ("kind", format!("\"{name}\""), false);
-    let mut list = match desc.surface {
-        Surface::Lambert { albedo } => vec![kind("lambert"), ("albedo", color(albedo), colored)],
-        Surface::Mirror { reflectance } => vec![kind("mirror"), ("albedo", color(reflectance), colored)],
-        Surface::Dielectric { ior, absorption, tint, roughness } => vec![
-            kind("glass"),
-            ("ior", number(ior), false),
-            ("tint", color(tint), colored),
-            ("absorption", color(absorption), false),
-            ("roughness", number(roughness), rough),
-            ("priority", desc.priority.to_string(), false),
-        ],
-        Surface::Boundary { absorption } => vec![
-            kind("boundary"),
-            ("absorption", color(absorption), false),
-            ("priority", desc.priority.to_string(), false),
-        ],
-        Surface::Thin { ior, tint, roughness } => vec![
-            kind("thin"),
-            ("ior", number(ior), false),
-            ("tint", color(tint), colored),
-            ("roughness", number(roughness), rough),
-        ],
-        Surface::Glossy { base_color, metallic, roughness, specular, ior } => vec![
-            kind("glossy"),
-            ("albedo", color(base_color), colored),
-            ("metallic", number(metallic), rough),
-            ("roughness", number(roughness), rough),
-            ("specular", number(specular), textures.specular.is_some()),
-            ("ior", number(ior), false),
-        ],
-    };
-    if desc.scattering != [0.0; 3] {
-        list.push(("scattering", color(desc.scattering), false));
+    let kind = Kind::of(&desc.surface);
+    let mut list = vec![("kind", format!("\"{}\"", kind.name()), false)];
+    for (parameter, value) in parameter::values(desc) {
+        let is_textured = parameter.is_textured(desc);
+        if is_textured || parameter.is_present(desc) {
+            let text = match parameter.in_files(value) {
+                Value::Number(value) => number(value),
+                Value::Color(value) => color(value),
+            };
+            list.push((parameter.key, text, is_textured));
+        }
+    }
+    let inside = desc.transmission_absorption.filter(|_| desc.transmission > 0.0);
+    if let Some(absorption) = inside {
+        list.push(("absorption", color(absorption), false));
+    }
+    if inside.is_some() || matches!(kind, Kind::Glass | Kind::Boundary) {
+        list.push(("priority", desc.priority.to_string(), false));
     }
     if desc.phase != PhaseDesc::default() {
         list.extend(phase(desc.phase).into_iter().map(|(key, value)| (key, value, false)));
@@ -141,40 +124,11 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
     if let Some(dispersion) = desc.dispersion {
         list.push((dispersion.name(), dispersion_text(dispersion), false));
     }
-    if desc.specular_color != [1.0; 3] || textures.specular_color.is_some() {
-        list.push(("specular_color", color(desc.specular_color), textures.specular_color.is_some()));
-    }
-    if desc.clearcoat != 0.0 {
-        let replaces = textures.clearcoat_roughness.is_some();
-        list.push(("clearcoat", number(desc.clearcoat), textures.clearcoat.is_some()));
-        list.push(("clearcoat_roughness", number(desc.clearcoat_roughness), replaces));
-    }
-    if desc.transmission != 0.0 {
-        list.push(("transmission", number(desc.transmission), textures.transmission.is_some()));
-        if let Some(absorption) = desc.transmission_absorption {
-            list.push(("absorption", color(absorption), false));
-            list.push(("priority", desc.priority.to_string(), false));
-        }
-    }
-    if desc.sheen_color != [0.0; 3] {
-        list.push(("sheen", color(desc.sheen_color), textures.sheen_color.is_some()));
-        list.push(("sheen_roughness", number(desc.sheen_roughness), textures.sheen_roughness.is_some()));
-    }
-    if desc.anisotropy != 0.0 {
-        list.push(("anisotropy", number(desc.anisotropy), textures.anisotropy.is_some()));
-        list.push(("anisotropy_degrees", number(desc.anisotropy_rotation.to_degrees()), textures.anisotropy.is_some()));
-    }
-    if desc.diffuse_transmission != 0.0 {
-        let share = textures.diffuse_transmission.is_some();
-        let tinted = textures.diffuse_transmission_color.is_some();
-        list.push(("diffuse_transmission", number(desc.diffuse_transmission), share));
-        list.push(("diffuse_transmission_color", color(desc.diffuse_transmission_color), tinted));
-    }
     if desc.alpha_mode != AlphaMode::Opaque {
-        list.push(("alpha", number(desc.alpha), textures.alpha.is_some()));
+        list.push(("alpha", number(desc.alpha), desc.textures.alpha.is_some()));
     }
     if !desc.is_boundary() {
-        list.push(("emission", color(desc.emission), textures.emission.is_some()));
+        list.push(("emission", color(desc.emission), desc.textures.emission.is_some()));
     }
     if desc.is_emissive() {
         list.push(("emits_both_sides", desc.emits_both_sides.to_string(), false));

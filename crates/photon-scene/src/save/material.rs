@@ -1,14 +1,15 @@
 //! Materials as glTF.
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value as Json, json};
 
 use super::{scaled, single, singles};
 use crate::describe::{AlphaMode, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::extras::MaterialExtras;
+use crate::parameter::{self, TextureParameter, Value};
 
-/// The material; `textures` are those that it uses, with their slots.
-pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) -> Result<Value, SceneError> {
+/// The material; `textures` are those that it uses.
+pub(super) fn material(desc: &MaterialDesc, textures: &[(&TextureParameter, Json)]) -> Result<Json, SceneError> {
     let what = || format!("material '{}'", desc.name);
     let (base, metallic, roughness) = match desc.surface {
         Surface::Lambert { albedo } => (albedo, 0.0, 1.0),
@@ -27,16 +28,8 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             if specular != 1.0 {
                 extensions["KHR_materials_specular"]["specularFactor"] = json!(single(specular, what)?);
             }
-            if desc.specular_color != [1.0; 3] {
-                extensions["KHR_materials_specular"]["specularColorFactor"] =
-                    json!(singles(desc.specular_color, what)?);
-            }
             if ior != 1.5 {
                 extensions["KHR_materials_ior"] = json!({ "ior": single(ior, what)? });
-            }
-            if desc.transmission > 0.0 {
-                let factor = single(desc.transmission, what)?;
-                extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": factor });
             }
         }
         // glTF has no boundaries: glass of the index of the air.
@@ -68,29 +61,12 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
             extensions["KHR_materials_dispersion"] = json!({ "dispersion": single(strength, what)? });
         }
     }
-    if desc.clearcoat > 0.0 {
-        extensions["KHR_materials_clearcoat"] = json!({
-            "clearcoatFactor": single(desc.clearcoat, what)?,
-            "clearcoatRoughnessFactor": single(desc.clearcoat_roughness, what)?,
-        });
-    }
-    if desc.anisotropy > 0.0 {
-        extensions["KHR_materials_anisotropy"] = json!({
-            "anisotropyStrength": single(desc.anisotropy, what)?,
-            "anisotropyRotation": single(desc.anisotropy_rotation, what)?,
-        });
-    }
-    if desc.sheen_color != [0.0; 3] {
-        extensions["KHR_materials_sheen"] = json!({
-            "sheenColorFactor": singles(desc.sheen_color, what)?,
-            "sheenRoughnessFactor": single(desc.sheen_roughness, what)?,
-        });
-    }
-    if desc.diffuse_transmission > 0.0 {
-        extensions["KHR_materials_diffuse_transmission"] = json!({
-            "diffuseTransmissionFactor": single(desc.diffuse_transmission, what)?,
-            "diffuseTransmissionColorFactor": singles(desc.diffuse_transmission_color, what)?,
-        });
+    for (parameter, value) in parameter::values(desc).filter(|(parameter, _)| parameter.is_present(desc)) {
+        let Some((extension, factor)) = parameter.layer.and_then(|layer| layer.gltf) else { continue };
+        extensions[extension][factor] = match value {
+            Value::Number(value) => json!(single(value, what)?),
+            Value::Color(value) => json!(singles(value, what)?),
+        };
     }
     let (strength, factor) = scaled(desc.emission);
     if strength > 0.0 {
@@ -111,36 +87,10 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
     if strength > 0.0 {
         material["emissiveFactor"] = json!(singles(factor, what)?);
     }
-    for (slot, info) in textures {
-        match *slot {
-            "base_color" => material["pbrMetallicRoughness"]["baseColorTexture"] = info.clone(),
-            "emission" => material["emissiveTexture"] = info.clone(),
-            "metallic_roughness" => {
-                material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = info.clone();
-            }
-            "clearcoat" => extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = info.clone(),
-            "clearcoat_roughness" => {
-                extensions["KHR_materials_clearcoat"]["clearcoatRoughnessTexture"] = info.clone();
-            }
-            "clearcoat_normal" => {
-                extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = info.clone();
-            }
-            "anisotropy" => extensions["KHR_materials_anisotropy"]["anisotropyTexture"] = info.clone(),
-            "diffuse_transmission" => {
-                extensions["KHR_materials_diffuse_transmission"]["diffuseTransmissionTexture"] = info.clone();
-            }
-            "diffuse_transmission_color" => {
-                extensions["KHR_materials_diffuse_transmission"]["diffuseTransmissionColorTexture"] = info.clone();
-            }
-            "transmission" => extensions["KHR_materials_transmission"]["transmissionTexture"] = info.clone(),
-            "sheen_color" => extensions["KHR_materials_sheen"]["sheenColorTexture"] = info.clone(),
-            "sheen_roughness" => extensions["KHR_materials_sheen"]["sheenRoughnessTexture"] = info.clone(),
-            "specular_color" => {
-                extensions["KHR_materials_specular"]["specularColorTexture"] = info.clone();
-            }
-            "specular" => extensions["KHR_materials_specular"]["specularTexture"] = info.clone(),
-            _ => material["normalTexture"] = info.clone(),
-        }
+    material["extensions"] = extensions;
+    for (texture, info) in textures {
+        let place = texture.gltf.iter().fold(&mut material, |object, name| &mut object[*name]);
+        *place = info.clone();
     }
     match desc.alpha_mode {
         AlphaMode::Opaque => {}
@@ -150,8 +100,10 @@ pub(super) fn material(desc: &MaterialDesc, textures: &[(&'static str, Value)]) 
         }
         AlphaMode::Blend => material["alphaMode"] = json!("BLEND"),
     }
-    if extensions.as_object().is_some_and(|all| !all.is_empty()) {
-        material["extensions"] = extensions;
+    if let Some(all) = material.as_object_mut()
+        && all["extensions"].as_object().is_some_and(Map::is_empty)
+    {
+        all.remove("extensions");
     }
     Ok(material)
 }

@@ -9,6 +9,7 @@ use super::{File, single};
 use crate::describe::{AlphaMode, MaterialDesc};
 use crate::error::SceneError;
 use crate::extras::{Extras, ImageExtras, fallback};
+use crate::parameter::{Encoding, TEXTURES, TextureParameter};
 use crate::shading::{uniform, uniform_alpha};
 use crate::texture::{TextureDesc, TextureId, TextureRef, TexturesDesc};
 
@@ -26,52 +27,44 @@ pub(super) struct Textures {
 }
 
 impl File {
-    /// The references of a material to its textures, by slot.
+    /// The references of a material to its textures.
     pub(super) fn textures(
         &mut self,
         desc: &MaterialDesc,
         all: &[TextureDesc],
-    ) -> Result<Vec<(&'static str, Value)>, SceneError> {
+    ) -> Result<Vec<(&'static TextureParameter, Value)>, SceneError> {
         let mut infos = Vec::new();
         check_alpha(desc, all)?;
         // The alpha of a material is that of its base colour.
         let alpha = desc.textures.alpha.filter(|_| desc.alpha_mode != AlphaMode::Opaque);
         let textures = TexturesDesc { base_color: desc.textures.base_color.or(alpha), ..desc.textures };
-        for (slot, used) in textures.all().filter(|(slot, _)| *slot != "alpha") {
-            let texture = self.texture(used.texture, slot, &all[used.texture.0 as usize])?;
+        for parameter in TEXTURES {
+            let Some(used) = parameter.of(&textures) else { continue };
+            let texture = self.texture(used.texture, parameter, &all[used.texture.0 as usize])?;
             let mut info = json!({ "index": texture, "texCoord": used.uv_set });
             if used.transform != TextureRef::IDENTITY {
                 info["extensions"] = json!({ "KHR_texture_transform": transform(&used, desc)? });
                 self.images.has_transforms = true;
             }
-            match slot {
+            match parameter.field {
                 "normal" => info["scale"] = json!(desc.textures.normal_scale as f32),
                 "clearcoat_normal" => info["scale"] = json!(desc.textures.clearcoat_normal_scale as f32),
                 _ => {}
             }
-            infos.push((slot, info));
+            infos.push((parameter, info));
         }
         Ok(infos)
     }
 
-    fn texture(&mut self, id: TextureId, slot: &str, desc: &TextureDesc) -> Result<usize, SceneError> {
+    fn texture(&mut self, id: TextureId, of: &TextureParameter, desc: &TextureDesc) -> Result<usize, SceneError> {
         let refused = |why: &str, hint| SceneError::Export { what: format!("texture '{}', {why}", desc.name), hint };
         let is_linear = desc.image.format == TexelFormat::Linear8;
-        let is_data = matches!(
-            slot,
-            "normal"
-                | "metallic_roughness"
-                | "clearcoat"
-                | "clearcoat_roughness"
-                | "clearcoat_normal"
-                | "anisotropy"
-                | "transmission"
-        );
+        let is_data = of.encoding == Encoding::Linear;
         if is_data && desc.image.format == TexelFormat::Srgb8 {
-            let why = format!("a {} texture in sRGB", slot.replace('_', "-"));
+            let why = format!("a {} texture in sRGB", of.field.replace('_', "-"));
             return Err(refused(&why, "glTF has linear ones: convert it"));
         }
-        if !is_data && is_linear && !matches!(slot, "specular" | "diffuse_transmission" | "sheen_roughness") {
+        if of.encoding == Encoding::Srgb && is_linear {
             return Err(refused("a colour of linear bytes", "glTF has colours in sRGB: convert it, or use floats"));
         }
         if let Some(&known) = self.images.indices.get(&id) {

@@ -4,29 +4,22 @@ use gltf::json::Value;
 use gltf::json::extensions::material::Material as Extensions;
 
 use super::fault::{AGAIN, Fault};
+use crate::parameter::PARAMETERS;
 
 /// Any number: the scene checks the range of what it becomes.
 const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-/// Extension, field, how many numbers it has, and their range.
+/// Extension, field, how many numbers it has, and their range, beside those of layers.
 const RANGES: &[(&str, &str, usize, [f64; 2])] = &[
     // Without a positive factor there is no coat.
     ("KHR_materials_clearcoat", "clearcoatFactor", 1, [0.0, 1.0]),
-    ("KHR_materials_clearcoat", "clearcoatRoughnessFactor", 1, ANY),
     ("KHR_materials_specular", "specularFactor", 1, ANY),
-    ("KHR_materials_specular", "specularColorFactor", 3, ANY),
     ("KHR_materials_dispersion", "dispersion", 1, [0.0, f64::MAX]),
     ("KHR_materials_volume_scatter", "multiscatterColor", 3, [0.0, 1.0]),
     ("KHR_materials_volume_scatter", "scatterAnisotropy", 1, [-1.0, 1.0]),
     ("KHR_materials_scatter", "scatterStrengthFactor", 1, [0.0, 1.0]),
     ("KHR_materials_scatter", "multiscatterColorFactor", 3, [0.0, 1.0]),
     ("KHR_materials_scatter", "scatterAnisotropy", 1, [-1.0, 1.0]),
-    ("KHR_materials_sheen", "sheenColorFactor", 3, ANY),
-    ("KHR_materials_sheen", "sheenRoughnessFactor", 1, ANY),
-    ("KHR_materials_anisotropy", "anisotropyStrength", 1, ANY),
-    ("KHR_materials_anisotropy", "anisotropyRotation", 1, ANY),
-    ("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", 1, ANY),
-    ("KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", 3, ANY),
 ];
 
 /// Checks the factors of a material's extensions.
@@ -34,7 +27,12 @@ const RANGES: &[(&str, &str, usize, [f64; 2])] = &[
 /// # Errors
 /// Names `part`, the extension and the field of the first that is no number, or out of its range.
 pub(super) fn check(extensions: &Extensions, part: &str) -> Result<(), Fault> {
-    for &(extension, field, count, range) in RANGES {
+    let layers = PARAMETERS.iter().filter_map(|parameter| {
+        let layer = parameter.layer?;
+        let (extension, factor) = layer.gltf?;
+        Some((extension, factor, layer.default.numbers().len(), ANY))
+    });
+    for (extension, field, count, range) in RANGES.iter().copied().chain(layers) {
         let Some(of) = extensions.others.get(extension) else { continue };
         let Value::Object(fields) = of else {
             return Err(Fault::new(part, format!("{extension} is no object"), AGAIN));

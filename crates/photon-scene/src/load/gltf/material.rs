@@ -10,6 +10,7 @@ use super::{scatter, specular_glossiness};
 use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, Dispersion, MaterialDesc, Surface};
 use crate::extras::{self, Agrees, CHANGED, MaterialExtras};
+use crate::parameter::{PARAMETERS, Parameter};
 use crate::report::LoadReport;
 use crate::shading::simplest;
 
@@ -19,15 +20,10 @@ const SOME_METAL: f64 = 0.01;
 /// remains after the attenuation distance.
 const DARKEST: f64 = 1e-6;
 
-/// Extensions of materials that are supported, or reported by separate code.
+/// Extensions of materials that are supported, or reported by separate code, beside those of layers.
 const KNOWN: &[&str] = &[
-    "KHR_materials_specular",
     "KHR_materials_unlit",
     specular_glossiness::NAME,
-    parameters::CLEARCOAT,
-    parameters::ANISOTROPY,
-    parameters::DIFFUSE_TRANSMISSION,
-    parameters::SHEEN,
     parameters::DISPERSION,
     scatter::NAMES[0],
     scatter::NAMES[1],
@@ -52,14 +48,7 @@ pub(super) fn describe(
     close_solid(&mut parameters, is_solid, &subject, &mut lines);
     let (scattering, mean_cosine) =
         parameters.scatter.map_or(([0.0; 3], 0.0), |scatter| scatter.split(&mut surface, &subject, &mut lines));
-    check_clearcoat(&parameters, &surface, &subject, &mut lines);
-    if parameters.anisotropy[0] > 0.0 && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
-        lines.left_out(&subject, "its anisotropy, which glass does not have here");
-    }
-    check_transmission(&parameters, &surface, &subject, &mut lines);
-    if parameters.sheen_color != [0.0; 3] && matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
-        lines.left_out(&subject, "its sheen, which glass does not have here");
-    }
+    check_layers(&parameters, &surface, &subject, &mut lines);
     if parameters.dispersion > 0.0 && !is_solid {
         let text = "its KHR_materials_dispersion, since only solids of glass disperse light here; give it a transmissionFactor and a \
                     thicknessFactor above 0";
@@ -71,22 +60,15 @@ pub(super) fn describe(
         emits_both_sides: material.double_sided,
         alpha: parameters.alpha,
         alpha_mode: parameters.alpha_mode,
-        specular_color: parameters.specular_color,
-        clearcoat: parameters.clearcoat[0],
-        clearcoat_roughness: parameters.clearcoat[1],
-        anisotropy: parameters.anisotropy[0],
-        anisotropy_rotation: parameters.anisotropy[1],
-        diffuse_transmission: parameters.diffuse_transmission,
-        diffuse_transmission_color: parameters.transmission_color,
         transmission,
         transmission_absorption: absorption,
         dispersion: (parameters.dispersion > 0.0 && is_solid).then(|| Dispersion::Abbe(20.0 / parameters.dispersion)),
         scattering,
         phase: mean_cosine.into(),
-        sheen_color: parameters.sheen_color,
-        sheen_roughness: parameters.sheen_roughness,
         textures: parameters.textures,
-        ..MaterialDesc::new(name, surface)
+        name,
+        surface,
+        ..parameters.layers
     };
     match extras::read::<MaterialExtras>(material.extras.as_deref().map(|raw| raw.get())) {
         Ok(None) => {}
@@ -144,9 +126,9 @@ fn glass_part(
     }
     report_specular(of, subject, report);
     let layers = [
-        (of.clearcoat[0] > 0.0, "clearcoat"),
-        (of.sheen_color != [0.0; 3], "sheen"),
-        (of.anisotropy[0] > 0.0, "anisotropy"),
+        (of.layers.clearcoat > 0.0, "clearcoat"),
+        (of.layers.sheen_color != [0.0; 3], "sheen"),
+        (of.layers.anisotropy > 0.0, "anisotropy"),
     ];
     for (_, name) in layers.into_iter().filter(|(has, _)| *has) {
         report.approximated(subject, format!("its {name} is left out for the share that is glass"));
@@ -160,7 +142,7 @@ fn glossy(of: &Parameters, subject: &str, report: &mut LoadReport) -> Surface {
     if of.specular > 1.0 {
         report.approximated(subject, format!("its specular factor {:.3} is replaced by 1", of.specular));
     }
-    let is_varied = of.textures.metallic_roughness.is_some() || of.anisotropy[0] > 0.0;
+    let is_varied = of.textures.metallic_roughness.is_some() || of.layers.anisotropy > 0.0;
     let is_metal = of.metallic >= 1.0 && !is_varied;
     let surface = Surface::Glossy {
         base_color: of.base,
@@ -191,7 +173,7 @@ fn glass(of: &mut Parameters, subject: &str, report: &mut LoadReport) -> Surface
 
 fn report_specular(of: &Parameters, subject: &str, report: &mut LoadReport) {
     if of.specular != 1.0
-        || of.specular_color != [1.0; 3]
+        || of.layers.specular_color != [1.0; 3]
         || of.textures.specular.is_some()
         || of.textures.specular_color.is_some()
     {
@@ -243,25 +225,18 @@ fn close_solid(of: &mut Parameters, is_solid: bool, subject: &str, report: &mut 
     (of.alpha, of.alpha_mode, of.textures.alpha) = (1.0, AlphaMode::Opaque, None);
 }
 
-/// Reports what of a clearcoat is not modelled.
-fn check_clearcoat(of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
-    if of.clearcoat[0] == 0.0 {
-        return;
-    }
+/// Reports the layers that the surface does not have.
+fn check_layers(of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
     if matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
-        report.left_out(subject, "its clearcoat, which glass does not have here");
-    }
-}
-
-/// Reports what of diffuse transmission is not modelled.
-fn check_transmission(of: &Parameters, surface: &Surface, subject: &str, report: &mut LoadReport) {
-    if of.diffuse_transmission == 0.0 {
-        return;
-    }
-    if matches!(surface, Surface::Dielectric { .. } | Surface::Thin { .. }) {
-        return report.left_out(subject, "its diffuse transmission, which glass does not have here");
-    }
-    if of.is_solid {
+        // The specular factor of glass has a line of its own.
+        let leads = |parameter: &&Parameter| {
+            parameter.key != "specular_color" && parameter.layer.is_some_and(|layer| layer.leader == parameter.key)
+        };
+        for layer in PARAMETERS.iter().filter(leads).filter(|layer| layer.is_present(&of.layers)) {
+            let name = layer.key.replace('_', " ");
+            report.left_out(subject, format!("its {name}, which glass does not have here"));
+        }
+    } else if of.is_solid && of.layers.diffuse_transmission > 0.0 {
         report.approximated(subject, "transmits light diffusely as a sheet: its volume does not scatter or absorb");
     }
 }
@@ -273,7 +248,8 @@ fn report_rest(material: &Material, subject: &str, report: &mut LoadReport) {
         report.note(subject, "its occlusion map is not needed");
     }
     let others = material.extensions.iter().flat_map(|extensions| extensions.others.keys());
-    for name in others.filter(|name| !KNOWN.contains(&name.as_str())) {
+    let is_layer = |name: &str| PARAMETERS.iter().any(|of| of.layer.and_then(|layer| layer.gltf).is_some_and(|gltf| gltf.0 == name));
+    for name in others.filter(|name| !KNOWN.contains(&name.as_str()) && !is_layer(name)) {
         report.left_out(subject, format!("its {name}, which is not modelled; the surface is rendered without it"));
     }
 }

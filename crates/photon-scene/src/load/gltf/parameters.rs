@@ -3,7 +3,7 @@
 use gltf::json::extensions::material as extension;
 use gltf::json::material::AlphaMode as Mode;
 use gltf::json::validation::Checked;
-use gltf::json::{Root, Value};
+use gltf::json::{Root, Value as Json};
 use photon_core::TexelFormat;
 
 use super::factors;
@@ -14,12 +14,13 @@ use super::slot::Slot;
 use super::specular_glossiness::{self, Converted, SpecularGlossiness};
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
-use crate::describe::AlphaMode;
+use crate::describe::{AlphaMode, MaterialDesc};
+use crate::parameter::{Channel, Encoding, Kind, Layer, PARAMETERS, TextureParameter, Value};
 use crate::report::LoadReport;
 use crate::texture::{TextureRef, TexturesDesc};
 
 /// The parameters that determine how a material is rendered.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Parameters {
     /// Factor of the base colour, linear RGB.
     pub(super) base: [f64; 3],
@@ -36,17 +37,8 @@ pub(super) struct Parameters {
     pub(super) ior: f64,
     /// Factor on the specular reflection of a non-metal.
     pub(super) specular: f64,
-    /// Factor on its reflectance at normal incidence.
-    pub(super) specular_color: [f64; 3],
-    /// Weight and roughness of the clearcoat.
-    pub(super) clearcoat: [f64; 2],
-    /// Strength and rotation of the anisotropy.
-    pub(super) anisotropy: [f64; 2],
-    /// Share of the base that transmits diffusely, and its colour.
-    pub(super) diffuse_transmission: f64,
-    pub(super) transmission_color: [f64; 3],
-    pub(super) sheen_color: [f64; 3],
-    pub(super) sheen_roughness: f64,
+    /// A glossy material with the layers.
+    pub(super) layers: MaterialDesc,
     /// 20 divided by the Abbe number of its glass; 0 without dispersion.
     pub(super) dispersion: f64,
     pub(super) scatter: Option<Scatter>,
@@ -67,13 +59,7 @@ impl Parameters {
     fn without_shading(self) -> Self {
         let TexturesDesc { base_color, alpha, .. } = self.textures;
         Self {
-            specular_color: [1.0; 3],
-            clearcoat: [0.0; 2],
-            anisotropy: [0.0; 2],
-            diffuse_transmission: 0.0,
-            transmission_color: [1.0; 3],
-            sheen_color: [0.0; 3],
-            sheen_roughness: 0.0,
+            layers: bare(),
             transmission: 0.0,
             scatter: None,
             emission: [0.0; 3],
@@ -188,61 +174,29 @@ pub(super) fn read(
     let coat = means.image(slot("specularTexture"), SPECULAR)?;
     let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
     let scale = scale * coat.filter(|coat| coat.used.is_none()).map_or(1.0, |coat| coat.mean.alpha);
-    let tint = means.image(slot("specularColorTexture"), SPECULAR_COLOR)?;
-    let specular_color = specular.and_then(|s| numbers(s, "specularColorFactor")).unwrap_or([1.0; 3]);
-    let clear = extensions.others.get(CLEARCOAT);
-    let slot = |name: &str| clear.and_then(|clear| Slot::of_json(clear.get(name)?));
-    let number = |name: &str| clear.and_then(|clear| numbers(clear, name)).map_or(0.0, |[number]| number);
-    let is_clear = number("clearcoatFactor") > 0.0;
-    let weight = means.image(slot("clearcoatTexture").filter(|_| is_clear), CLEARCOAT_WEIGHT)?;
-    let rough = means.image(slot("clearcoatRoughnessTexture").filter(|_| is_clear), CLEARCOAT_ROUGHNESS)?;
-    let coat_map = slot("clearcoatNormalTexture").filter(|_| is_clear);
+    let (mut layers, layer_textures) = read_layers(extensions, &mut means)?;
+    if let Some(color) = old_color {
+        layers.specular_color = color;
+    }
+    let clear = extensions.others.get("KHR_materials_clearcoat").filter(|_| layers.clearcoat > 0.0);
+    let coat_map = clear.and_then(|clear| Slot::of_json(clear.get("clearcoatNormalTexture")?));
     let coat_normal = means.image(coat_map, NORMAL_MAP)?.and_then(|map| map.used);
-    if coat_map.is_some_and(|slot| slot.is_turned) {
+    let coat_scale = clear.and_then(|clear| numbers(clear.get("clearcoatNormalTexture")?, "scale"));
+    let turned = |slot: Option<Slot>| slot.is_some_and(|slot| slot.is_turned);
+    if turned(coat_map) {
         means
             .report
             .note(subject, "the normal map of its clearcoat is turned; tangents of the file are taken to be too");
     }
-    let coat_scale = clear.and_then(|clear| numbers(clear.get("clearcoatNormalTexture")?, "scale"));
-    let uniform = |used: Option<Used>, channel: usize| {
-        used.filter(|used| used.used.is_none()).map_or(1.0, |used| used.mean.plain[channel])
-    };
-    let clearcoat =
-        [number("clearcoatFactor") * uniform(weight, 0), number("clearcoatRoughnessFactor") * uniform(rough, 1)];
-    let brushed = extensions.others.get(ANISOTROPY);
-    let number = |name: &str| brushed.and_then(|brushed| numbers(brushed, name)).map_or(0.0, |[number]| number);
-    let [strength, rotation] = [number("anisotropyStrength"), number("anisotropyRotation")];
-    let slot = brushed.and_then(|brushed| Slot::of_json(brushed.get("anisotropyTexture")?));
-    let slot = slot.filter(|_| strength > 0.0);
-    if slot.is_some_and(|slot| slot.is_turned) {
+    let brushed = extensions.others.get("KHR_materials_anisotropy").filter(|_| layer_textures.anisotropy.is_some());
+    if turned(brushed.and_then(|brushed| Slot::of_json(brushed.get("anisotropyTexture")?))) {
         means.report.note(subject, "its anisotropy texture is turned; directions are turned with the tangents alone");
     }
-    let direction = means.image(slot, DIRECTION)?;
-    let leaf = extensions.others.get(DIFFUSE_TRANSMISSION);
-    let share = leaf.and_then(|leaf| numbers(leaf, "diffuseTransmissionFactor")).map_or(0.0, |[share]| share);
-    let slot = |name: &str| leaf.filter(|_| share > 0.0).and_then(|leaf| Slot::of_json(leaf.get(name)?));
-    let shares = means.image(slot("diffuseTransmissionTexture"), DIFFUSE_SHARE)?;
-    let colors = means.image(slot("diffuseTransmissionColorTexture"), DIFFUSE_COLOR)?;
-    let even_share = shares.filter(|shares| shares.used.is_none()).map_or(1.0, |shares| shares.mean.alpha);
-    let leaf_color = leaf.and_then(|leaf| numbers(leaf, "diffuseTransmissionColorFactor")).unwrap_or([1.0; 3]);
     let prism = extensions.others.get(DISPERSION);
-    let cloth = extensions.others.get(SHEEN);
-    let sheen_color = cloth.and_then(|cloth| numbers(cloth, "sheenColorFactor")).unwrap_or([0.0; 3]);
-    let cloth = cloth.filter(|_| sheen_color != [0.0; 3]);
-    let sheen_roughness = cloth.and_then(|cloth| numbers(cloth, "sheenRoughnessFactor")).map_or(0.0, |[value]| value);
-    let slot = |name: &str| cloth.and_then(|cloth| Slot::of_json(cloth.get(name)?));
-    let sheen = means.image(slot("sheenColorTexture"), SHEEN_COLOR)?;
-    let rough_sheen = means.image(slot("sheenRoughnessTexture"), SHEEN_ROUGHNESS)?;
-    let even_sheen = rough_sheen.filter(|rough| rough.used.is_none()).map_or(1.0, |rough| rough.mean.alpha);
     let parameters = Parameters {
-        sheen_color: times(sheen_color, sheen.and_then(|sheen| sheen.color())),
-        sheen_roughness: sheen_roughness * even_sheen,
+        layers,
         dispersion: prism.and_then(|prism| numbers(prism, "dispersion")).map_or(0.0, |[strength]| strength),
         scatter: Scatter::read(|name| extensions.others.get(name)),
-        diffuse_transmission: share * even_share,
-        transmission_color: times(leaf_color, colors.and_then(|colors| colors.color())),
-        anisotropy: if strength > 0.0 { [strength, rotation] } else { [0.0; 2] },
-        clearcoat: if is_clear { clearcoat } else { [0.0; 2] },
         base: color,
         alpha: if is_opaque { 1.0 } else { factor[3] * even },
         alpha_mode,
@@ -252,7 +206,6 @@ pub(super) fn read(
         transmission,
         ior,
         specular: scale,
-        specular_color: old_color.unwrap_or(times(specular_color, tint.and_then(|tint| tint.color()))),
         is_solid: volume.is_some_and(|volume| volume.thickness_factor.0 > 0.0),
         attenuation_color: volume.map_or([1.0; 3], |v| v.attenuation_color.0.map(f64::from)),
         attenuation_distance: volume.map_or(f64::INFINITY, |v| f64::from(v.attenuation_distance.0)),
@@ -266,36 +219,54 @@ pub(super) fn read(
             metallic_roughness: metallic_roughness.or(old_roughness),
             alpha: base.filter(|base| !is_opaque && base.mean.alpha < 1.0).and_then(|base| base.used),
             specular: coat.and_then(|coat| coat.used),
-            specular_color: old_specular.or(tint.and_then(|tint| tint.used)),
-            clearcoat: weight.and_then(|weight| weight.used),
-            clearcoat_roughness: rough.and_then(|rough| rough.used),
+            specular_color: old_specular.or(layer_textures.specular_color),
             clearcoat_normal: coat_normal,
             clearcoat_normal_scale: coat_scale.filter(|_| coat_normal.is_some()).map_or(1.0, |[scale]| scale),
-            anisotropy: direction.and_then(|direction| direction.used),
-            diffuse_transmission: shares.and_then(|shares| shares.used),
-            diffuse_transmission_color: colors.and_then(|colors| colors.used),
             transmission: glass.and_then(|glass| glass.used),
-            sheen_color: sheen.and_then(|sheen| sheen.used),
-            sheen_roughness: rough_sheen.and_then(|rough| rough.used),
+            ..layer_textures
         },
     };
     Ok(if parameters.is_unlit { parameters.without_shading() } else { parameters })
 }
 
-/// Extension of materials.
-pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
+/// A glossy material without layers.
+fn bare() -> MaterialDesc {
+    MaterialDesc::new("", Kind::Glossy.surface())
+}
 
-/// Extension of materials.
-pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy";
-
-/// Extension of materials.
-pub(super) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
+/// The layers of a material, and their textures; without its leading factor a layer is not read.
+fn read_layers(
+    extensions: &extension::Material,
+    means: &mut Images<'_, '_>,
+) -> Result<(MaterialDesc, TexturesDesc), Fault> {
+    let (mut layers, mut textures) = (bare(), TexturesDesc::default());
+    for parameter in PARAMETERS {
+        let Some(Layer { default, gltf: Some((name, factor)), leader, .. }) = parameter.layer else { continue };
+        let Some(extension) = extensions.others.get(name) else { continue };
+        if parameter.key != leader && !parameter.is_present(&layers) {
+            continue;
+        }
+        let given = match default {
+            Value::Number(_) => numbers(extension, factor).map(|[number]| Value::Number(number)),
+            Value::Color(_) => numbers(extension, factor).map(Value::Color),
+        };
+        let mut value = given.unwrap_or(default);
+        let is_multiplied = !parameter.is_angle && value.numbers().iter().any(|&number| number != 0.0);
+        if let Some(texture) = parameter.texture().filter(|_| is_multiplied) {
+            let slot = texture.gltf.last().and_then(|name| Slot::of_json(extension.get(name)?));
+            let found = means.image(slot, Role::of(texture))?;
+            *texture.of_mut(&mut textures) = found.and_then(|found| found.used);
+            if let Some(found) = found.filter(|found| found.used.is_none()) {
+                value = found.factor(value, texture.channel);
+            }
+        }
+        parameter.set(&mut layers, value);
+    }
+    Ok((layers, textures))
+}
 
 /// Extension of materials.
 pub(super) const DISPERSION: &str = "KHR_materials_dispersion";
-
-/// Extension of materials.
-pub(super) const SHEEN: &str = "KHR_materials_sheen";
 
 /// UV sets with higher numbers are treated as damage.
 const MAX_UV_SETS: u32 = 64;
@@ -313,6 +284,20 @@ impl Used {
     fn color(&self) -> Option<[f64; 3]> {
         self.used.is_none().then_some(self.mean.color)
     }
+
+    /// The product of a value and the mean.
+    fn factor(&self, value: Value, channel: Channel) -> Value {
+        let mean = match channel {
+            Channel::Red => self.mean.plain[0],
+            Channel::Green => self.mean.plain[1],
+            Channel::Alpha => self.mean.alpha,
+            Channel::Color | Channel::Vector => 1.0,
+        };
+        match value {
+            Value::Number(number) => Value::Number(number * mean),
+            Value::Color(color) => Value::Color(times(color, Some(self.mean.color))),
+        }
+    }
 }
 
 /// What a texture of a material is for.
@@ -325,21 +310,20 @@ struct Role {
     is_factor: bool,
 }
 
+impl Role {
+    fn of(texture: &TextureParameter) -> Self {
+        let bytes = if texture.encoding == Encoding::Linear { TexelFormat::Linear8 } else { TexelFormat::Srgb8 };
+        Self { name: texture.label, bytes, is_factor: texture.channel != Channel::Vector }
+    }
+}
+
 const BASE: Role = Role { name: "base colour", bytes: TexelFormat::Srgb8, is_factor: true };
 const METALLIC_ROUGHNESS: Role = Role { name: "metal and roughness", bytes: TexelFormat::Linear8, is_factor: true };
 const EMISSION: Role = Role { name: "emission", bytes: TexelFormat::Srgb8, is_factor: true };
 const SPECULAR: Role = Role { name: "specular", bytes: TexelFormat::Srgb8, is_factor: true };
-const SPECULAR_COLOR: Role = Role { name: "specular colour", bytes: TexelFormat::Srgb8, is_factor: true };
 const SPECULAR_GLOSSINESS: Role =
     Role { name: "specular colour and glossiness", bytes: TexelFormat::Srgb8, is_factor: true };
-const CLEARCOAT_WEIGHT: Role = Role { name: "clearcoat", bytes: TexelFormat::Linear8, is_factor: true };
-const CLEARCOAT_ROUGHNESS: Role = Role { name: "clearcoat roughness", ..CLEARCOAT_WEIGHT };
-const TRANSMISSION: Role = Role { name: "transmission", ..CLEARCOAT_WEIGHT };
-const DIFFUSE_SHARE: Role = Role { name: "diffuse transmission", bytes: TexelFormat::Srgb8, is_factor: true };
-const DIFFUSE_COLOR: Role = Role { name: "diffuse transmission colour", ..DIFFUSE_SHARE };
-const SHEEN_COLOR: Role = Role { name: "sheen colour", bytes: TexelFormat::Srgb8, is_factor: true };
-const SHEEN_ROUGHNESS: Role = Role { name: "sheen roughness", ..SHEEN_COLOR };
-const DIRECTION: Role = Role { name: "anisotropy", bytes: TexelFormat::Linear8, is_factor: false };
+const TRANSMISSION: Role = Role { name: "transmission", bytes: TexelFormat::Linear8, is_factor: true };
 const NORMAL_MAP: Role = Role { name: "normal map", bytes: TexelFormat::Linear8, is_factor: false };
 
 /// The textures of one material.
@@ -404,10 +388,10 @@ fn times(factor: [f64; 3], mean: Option<[f64; 3]>) -> [f64; 3] {
 }
 
 /// A number, or an array of `N` numbers, from an extension that the parser leaves as JSON.
-pub(super) fn numbers<const N: usize>(extension: &Value, field: &str) -> Option<[f64; N]> {
+pub(super) fn numbers<const N: usize>(extension: &Json, field: &str) -> Option<[f64; N]> {
     let value = extension.get(field)?;
     let numbers: Vec<f64> = match value {
-        Value::Array(items) => items.iter().map(Value::as_f64).collect::<Option<_>>()?,
+        Json::Array(items) => items.iter().map(Json::as_f64).collect::<Option<_>>()?,
         single => vec![single.as_f64()?],
     };
     numbers.try_into().ok()

@@ -1,5 +1,6 @@
 //! Messages on override files, in the words of the format instead of those of the parser.
 
+use crate::parameter::Parameter;
 use crate::similar;
 
 const KEYS: &str = "docs/scene-files.md lists the valid keys and values";
@@ -126,21 +127,23 @@ fn key_of(line: &str) -> &str {
     key.rsplit('.').next().unwrap_or_default()
 }
 
-/// The kinds of materials that have a property.
-pub(super) fn kinds_with(property: &str) -> &'static str {
-    match property {
-        "albedo" | "clearcoat" | "clearcoat_roughness" | "sheen" | "sheen_roughness" => {
-            "lambert, mirror and glossy have"
-        }
-        "ior" | "roughness" => "glass, thin and glossy have",
+/// The kinds of materials that have a property, and the verb.
+pub(super) fn kinds_with(property: &str) -> String {
+    let special = match property {
         "cauchy" | "abbe" | "sellmeier" => "glass and glossy with a transmission have",
         "absorption" | "priority" => "glass, boundary and glossy with a transmission have",
-        "tint" => "glass and thin have",
         "anisotropy" => "glass, boundary and glossy have",
-        "diffuse_transmission" | "diffuse_transmission_color" => "lambert and glossy have",
-        "metallic" | "specular" | "specular_color" | "anisotropy_degrees" | "transmission" => "glossy has",
         "emission" | "emits_both_sides" => "all but boundary have",
-        _ => "glass and boundary have",
+        _ => "",
+    };
+    match Parameter::find(property).map(|parameter| parameter.kinds) {
+        _ if !special.is_empty() => special.to_owned(),
+        None | Some([]) => "glass and boundary have".to_owned(),
+        Some([only]) => format!("{} has", only.name()),
+        Some([rest @ .., last]) => {
+            let rest: Vec<&str> = rest.iter().map(|kind| kind.name()).collect();
+            format!("{} and {} have", rest.join(", "), last.name())
+        }
     }
 }
 

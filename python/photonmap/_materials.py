@@ -50,9 +50,14 @@ def phase(name: str, anisotropy: Any, droplet_micrometres: Any) -> tuple[str, fl
     return str(name), number("anisotropy", anisotropy), droplets
 
 
-def diffuse_transmission(share: Any, color: Any) -> tuple[float, list[float]]:
-    """Share and colour."""
-    return number("diffuse_transmission", share), triple("diffuse_transmission_color", color)
+# Parameters that are colours.
+_COLORS = {"albedo", "tint", "absorption", "scattering", "sheen", "diffuse_transmission_color"}
+
+
+def _layer(key: str, value: Any, **others: Any) -> dict[str, Any]:
+    """The parameters of a layer; none of one that is absent."""
+    numbers = triple(key, value) if key in _COLORS else [number(key, value)]
+    return {key: value, **others} if any(numbers) else {}
 
 
 def _in_place(texture: Texture, use: str) -> Texture:
@@ -96,28 +101,19 @@ class Material:
     alpha_texture: Texture | None = None
     alpha_cutoff: float | None = None
 
-    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
-        """Kind, colour, second colour, ior, roughness, specular."""
+    def _parameters(self) -> tuple[str, dict[str, Any]]:
+        """Kind, and parameters by their keys in override files."""
         raise InputError("Material itself has no surface; use Lambert, Mirror, Glass, Boundary, Metal or Plastic")
 
     def _add_to(self, builder: Any, name: str, added: dict[Any, int]) -> int:
-        kind, color, second, ior, roughness, specular = self._surface()
-        surface = (
-            kind,
-            triple("the colour of a material", color),
-            triple("absorption", second),
-            number("ior", ior),
-            number("roughness", roughness),
-            number("specular", specular),
-        )
-        coat = (number("clearcoat", self.clearcoat), number("clearcoat_roughness", self.clearcoat_roughness))
-        sheen = (triple("sheen", self.sheen), number("sheen_roughness", self.sheen_roughness))
-        emission = triple("emission", self.emission)
-        both = bool(self.emits_both_sides)
+        kind, given = self._parameters()
+        given |= _layer("clearcoat", self.clearcoat, clearcoat_roughness=self.clearcoat_roughness)
+        given |= _layer("sheen", self.sheen, sheen_roughness=self.sheen_roughness)
+        parameters = [(key, triple(key, value) if key in _COLORS else [number(key, value)]) for key, value in given.items()]
+        emission = (triple("emission", self.emission), bool(self.emits_both_sides))
         cutoff = None if self.alpha_cutoff is None else number("alpha_cutoff", self.alpha_cutoff)
         textures = (self._textures(builder, name, added), number("normal_scale", self.normal_scale), cutoff)
-        glass = (*self._transmission(), self._scattering(), self._dispersion())
-        index = builder.material(name, surface, emission, both, coat, sheen, *glass, textures)
+        index = builder.material(name, kind, parameters, emission, self._phase(), self._dispersion(), textures)
         grid = self._grid()
         if grid is not None:
             builder.grid(index, *grid)
@@ -140,9 +136,9 @@ class Material:
             result.append((use, added[key], texture.uv_set))
         return result
 
-    def _scattering(self) -> tuple[list[float], tuple[str, float, float | None]]:
-        """Coefficient and phase function."""
-        return [0.0] * 3, ("hg", 0.0, None)
+    def _phase(self) -> tuple[str, float, float | None]:
+        """The phase function."""
+        return "hg", 0.0, None
 
     def _grid(self) -> tuple[Any, ...] | None:
         """File, densities, cells, transform and scale."""
@@ -151,10 +147,6 @@ class Material:
     def _dispersion(self) -> list[float]:
         """None, or the 1, 2 or 6 numbers of a formula."""
         return []
-
-    def _transmission(self) -> tuple[tuple[float, Any], tuple[float, Any]]:
-        """Share and colour of diffuse transmission, share and absorption of glass."""
-        return (0.0, [1.0] * 3), (0.0, None)
 
 
 @dataclass(frozen=True)
@@ -169,11 +161,10 @@ class Lambert(Material):
     diffuse_transmission: float = 0.0
     diffuse_transmission_color: Any = 1.0
 
-    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
-        return "lambert", self.albedo, 0.0, 1.0, 0.0, 1.0
-
-    def _transmission(self) -> tuple[tuple[float, Any], tuple[float, Any]]:
-        return diffuse_transmission(self.diffuse_transmission, self.diffuse_transmission_color), (0.0, None)
+    def _parameters(self) -> tuple[str, dict[str, Any]]:
+        color = self.diffuse_transmission_color
+        leaf = _layer("diffuse_transmission", self.diffuse_transmission, diffuse_transmission_color=color)
+        return "lambert", {"albedo": self.albedo, **leaf}
 
 
 @dataclass(frozen=True)
@@ -182,8 +173,8 @@ class Mirror(Material):
 
     reflectance: Any = 1.0
 
-    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
-        return "mirror", self.reflectance, 0.0, 1.0, 0.0, 1.0
+    def _parameters(self) -> tuple[str, dict[str, Any]]:
+        return "mirror", {"albedo": self.reflectance}
 
 
 @dataclass(frozen=True)
@@ -219,8 +210,8 @@ class Glass(Material):
     transform: Any = field(default=None, compare=False)
     density_scale: float = 1.0
 
-    def _scattering(self) -> tuple[list[float], tuple[str, float, float | None]]:
-        return triple("scattering", self.scattering), phase(self.phase, self.anisotropy, self.droplet_micrometres)
+    def _phase(self) -> tuple[str, float, float | None]:
+        return phase(self.phase, self.anisotropy, self.droplet_micrometres)
 
     def _grid(self) -> tuple[Any, ...] | None:
         if self.grid is None:
@@ -262,10 +253,12 @@ class Glass(Material):
             raise InputError(f"{name} is {value!r}, but must be {'a number' if count == 1 else f'{count} numbers'}")
         return terms
 
-    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
-        if number("clearcoat", self.clearcoat) != 0 or any(triple("sheen", self.sheen)):
-            raise InputError("glass has no clearcoat and no sheen; leave them out")
-        return ("thin" if self.thin else "glass"), self.tint, self.absorption, self.ior, self.roughness, 1.0
+    def _parameters(self) -> tuple[str, dict[str, Any]]:
+        given = {"ior": self.ior, "tint": self.tint, "roughness": self.roughness}
+        inside = {"absorption": self.absorption, "scattering": self.scattering}
+        # A pane has no inside: only what differs from nothing is refused.
+        inside = {key: value for key, value in inside.items() if not self.thin or any(triple(key, value))}
+        return ("thin" if self.thin else "glass"), given | inside
 
 
 @dataclass(frozen=True)
@@ -281,13 +274,11 @@ class Boundary(Material):
     phase: str = "hg"
     droplet_micrometres: float | None = None
 
-    def _scattering(self) -> tuple[list[float], tuple[str, float, float | None]]:
-        return triple("scattering", self.scattering), phase(self.phase, self.anisotropy, self.droplet_micrometres)
+    def _phase(self) -> tuple[str, float, float | None]:
+        return phase(self.phase, self.anisotropy, self.droplet_micrometres)
 
-    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
-        if number("clearcoat", self.clearcoat) != 0 or any(triple("sheen", self.sheen)):
-            raise InputError("a boundary has no clearcoat and no sheen; leave them out")
-        return "boundary", 1.0, self.absorption, 1.0, 0.0, 1.0
+    def _parameters(self) -> tuple[str, dict[str, Any]]:
+        return "boundary", {"absorption": self.absorption, "scattering": self.scattering}
 
 
 @dataclass(frozen=True)
@@ -297,8 +288,8 @@ class Metal(Material):
     reflectance: Any = 0.9
     roughness: float = 0.2
 
-    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
-        return "metal", self.reflectance, 0.0, 1.5, self.roughness, 1.0
+    def _parameters(self) -> tuple[str, dict[str, Any]]:
+        return "glossy", {"albedo": self.reflectance, "metallic": 1, "roughness": self.roughness}
 
 
 @dataclass(frozen=True)
@@ -318,10 +309,9 @@ class Plastic(Material):
     transmission: float = 0.0
     absorption: Any = None
 
-    def _surface(self) -> tuple[str, Any, Any, float, float, float]:
-        return "plastic", self.albedo, 0.0, self.ior, self.roughness, self.specular
-
-    def _transmission(self) -> tuple[tuple[float, Any], tuple[float, Any]]:
-        absorption = None if self.absorption is None else triple("absorption", self.absorption)
-        glass = (number("transmission", self.transmission), absorption)
-        return diffuse_transmission(self.diffuse_transmission, self.diffuse_transmission_color), glass
+    def _parameters(self) -> tuple[str, dict[str, Any]]:
+        given = {"albedo": self.albedo, "roughness": self.roughness, "ior": self.ior, "specular": self.specular}
+        color = self.diffuse_transmission_color
+        leaf = _layer("diffuse_transmission", self.diffuse_transmission, diffuse_transmission_color=color)
+        inside = {} if self.absorption is None else {"absorption": self.absorption}
+        return "glossy", given | leaf | _layer("transmission", self.transmission, **inside)

@@ -70,14 +70,10 @@ class RawBuilder:
     def material(
         self,
         name: str,
-        surface: tuple[str, _Vector, _Vector, float, float, float],
-        emission: _Vector,
-        emits_both_sides: bool,
-        clearcoat: tuple[float, float],
-        sheen: tuple[_Vector, float],
-        diffuse_transmission: tuple[float, _Vector],
-        transmission: tuple[float, _Vector | None],
-        scattering: tuple[_Vector, tuple[str, float, float | None]],
+        kind: str,
+        parameters: list[tuple[str, list[float]]],
+        emission: tuple[_Vector, bool],
+        phase_function: tuple[str, float, float | None],
         dispersion: list[float],
         textures: tuple[list[tuple[str, int, int]], float, float | None],
     ) -> int: ...

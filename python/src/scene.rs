@@ -7,8 +7,7 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
     AmbientMedium, CameraDesc, Dispersion, EnvironmentDesc, EnvironmentName, GridDesc, LightDesc, LoadOptions,
     LoadReport, MaterialDesc, MaterialId, Overrides, PhaseDesc, PhaseKeys, Projection, ReportKind, Scene, SceneBuilder,
-    Sun, Surface, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with,
-    summed_up,
+    Sun, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with, summed_up,
 };
 use pyo3::prelude::*;
 
@@ -43,9 +42,6 @@ pub(crate) fn environment_text(text: &str) -> PyResult<(&'static str, Vec<f64>)>
         EnvironmentName::Sky(elevation, turbidity) => ("sky", vec![elevation, turbidity]),
     })
 }
-
-/// A surface: its kind and numbers by position.
-type SurfaceNumbers = (String, [f64; 3], [f64; 3], f64, f64, f64);
 
 /// A phase function: its kind, mean cosine, and diameter of droplets.
 type PhaseArguments = (String, f64, Option<f64>);
@@ -100,45 +96,21 @@ impl RawBuilder {
         Ok(overrides.apply(&mut self.builder, &mut self.report).map_err(Failure::from)?)
     }
 
-    /// Adds a material and returns its number. `surface`: kind, colour, second colour, ior, roughness, specular. `clearcoat`:
-    /// weight and roughness; `sheen`: colour and roughness; `diffuse_transmission`: share and colour; `transmission`: share
-    /// and absorption; `scattering`: coefficient and phase function; `dispersion`: no number, or the 1, 2 or 6 of its formula; `textures`: see [`TextureUses`].
-    #[expect(clippy::too_many_arguments, reason = "called by Python alone, by position")]
+    /// Adds a material and returns its number. `kind`, `parameters`: as in override files; `emission`: radiance, and whether
+    /// the back emits; `dispersion`: no number, or the 1, 2 or 6 of its formula; `textures`: see [`TextureUses`].
     fn material(
         &mut self,
         name: &str,
-        surface: SurfaceNumbers,
-        emission: [f64; 3],
-        emits_both_sides: bool,
-        clearcoat: (f64, f64),
-        sheen: ([f64; 3], f64),
-        diffuse_transmission: (f64, [f64; 3]),
-        transmission: (f64, Option<[f64; 3]>),
-        scattering: ([f64; 3], PhaseArguments),
+        kind: &str,
+        parameters: Vec<(String, Vec<f64>)>,
+        (emission, emits_both_sides): ([f64; 3], bool),
+        phase_function: PhaseArguments,
         dispersion: Vec<f64>,
         textures: TextureUses,
     ) -> PyResult<usize> {
-        let (kind, color, second, ior, roughness, specular) = surface;
-        let glossy = |metallic| Surface::Glossy { base_color: color, metallic, roughness, specular, ior };
-        let surface = match kind.as_str() {
-            "lambert" => Surface::Lambert { albedo: color },
-            "mirror" => Surface::Mirror { reflectance: color },
-            "glass" => Surface::Dielectric { ior, absorption: second, tint: color, roughness },
-            "boundary" => Surface::Boundary { absorption: second },
-            "thin" => Surface::Thin { ior, tint: color, roughness },
-            "metal" => glossy(1.0),
-            "plastic" => glossy(0.0),
-            other => return Err(Failure::input(format!("there is no kind of material called {other:?}")).into()),
-        };
-        let mut desc = MaterialDesc::new(name, surface);
-        desc.emission = emission;
-        let desc = desc
-            .with_both_sides(emits_both_sides)
-            .with_clearcoat(clearcoat.0, clearcoat.1)
-            .with_sheen(sheen.0, sheen.1)
-            .with_diffuse_transmission(diffuse_transmission.0, diffuse_transmission.1)
-            .with_transmission(transmission.0, transmission.1)
-            .with_scattering(scattering.0, phase(&scattering.1)?);
+        let parameters = parameters.iter().map(|(key, numbers)| (key.as_str(), numbers.as_slice()));
+        let mut desc = MaterialDesc::with_parameters(name, kind, parameters).map_err(Failure::from)?;
+        (desc.emission, desc.emits_both_sides, desc.phase) = (emission, emits_both_sides, phase(&phase_function)?);
         let desc = match dispersion[..] {
             [] => desc,
             [abbe] => desc.with_dispersion(Dispersion::Abbe(abbe)),

@@ -20,6 +20,16 @@ pub enum SceneError {
         /// The valid range.
         hint: &'static str,
     },
+    /// A material is given a kind or a parameter that does not exist.
+    #[error("material '{}': {}; {}", shown(material), shown(what), shown(hint))]
+    Parameter {
+        /// Name of the material.
+        material: String,
+        /// What is wrong.
+        what: String,
+        /// What would be valid.
+        hint: String,
+    },
     /// A property of a light is out of range.
     #[error("light '{}': {property} is {}, but {hint}", shown(light), shown(value))]
     Light {

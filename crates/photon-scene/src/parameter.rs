@@ -2,6 +2,7 @@
 //! these tables. A parameter is a field of [`MaterialDesc`] and a line of [`PARAMETERS`]; a texture is a field of
 //! [`TexturesDesc`] and a line of [`TEXTURES`].
 
+mod named;
 mod table;
 mod texture;
 
@@ -10,7 +11,9 @@ use std::fmt;
 use crate::describe::{MaterialDesc, Surface};
 
 pub(crate) use self::table::PARAMETERS;
-pub(crate) use self::texture::{Channel, Encoding, TEXTURES, TextureParameter};
+#[cfg(feature = "files")]
+pub(crate) use self::texture::Encoding;
+pub(crate) use self::texture::{Channel, TEXTURES, TextureParameter};
 
 /// The kinds of [`Surface`], by their names in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +28,9 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Lambert, Self::Mirror, Self::Glass, Self::Boundary, Self::Thin, Self::Glossy];
+
     /// The kind of a surface.
     pub(crate) fn of(surface: &Surface) -> Self {
         match surface {
@@ -154,7 +160,19 @@ impl Parameter {
         PARAMETERS.iter().find(|parameter| parameter.key == key)
     }
 
-    /// Whether surfaces of this kind have it.
+    /// The kinds of materials that have it, and the verb.
+    pub(crate) fn kinds_with(&self) -> String {
+        match self.kinds {
+            [only] => format!("{} has", only.name()),
+            [rest @ .., last] => {
+                let rest: Vec<&str> = rest.iter().map(|kind| kind.name()).collect();
+                format!("{} and {} have", rest.join(", "), last.name())
+            }
+            [] => "nothing has".to_owned(),
+        }
+    }
+
+    /// Whether the surface has it.
     pub(crate) fn is_of(&self, desc: &MaterialDesc) -> bool {
         self.kinds.contains(&Kind::of(&desc.surface))
     }
@@ -167,20 +185,34 @@ impl Parameter {
         })
     }
 
-    /// The value as override files have it.
-    pub(crate) fn in_files(&self, value: Value) -> Value {
+    /// The value with an angle in degrees.
+    pub(crate) fn in_degrees(&self, value: Value) -> Value {
         match value {
             Value::Number(radians) if self.is_angle => Value::Number(radians.to_degrees()),
             other => other,
         }
     }
 
-    /// The value as descriptions have it.
-    pub(crate) fn from_files(&self, value: Value) -> Value {
+    /// The value, of which an angle is in degrees, in radians.
+    pub(crate) fn in_radians(&self, value: Value) -> Value {
         match value {
             Value::Number(degrees) if self.is_angle => Value::Number(degrees.to_radians()),
             other => other,
         }
+    }
+
+    /// Multiplies the value by the mean of a texture, of which a number takes one channel.
+    pub(crate) fn multiply(&self, desc: &mut MaterialDesc, by: [f64; 3], channel: f64) {
+        match (self.access)(desc) {
+            Some(Field::Number(number)) => *number *= channel,
+            Some(Field::Color(color)) => *color = std::array::from_fn(|at| color[at] * by[at]),
+            None => {}
+        }
+    }
+
+    /// Whether all numbers of the value are 0.
+    pub(crate) fn is_zero(&self, desc: &MaterialDesc) -> bool {
+        self.value_anywhere(&mut desc.clone()).is_some_and(|value| value.numbers().iter().all(|&number| number == 0.0))
     }
 
     /// Sets the value. Returns whether the surface has the parameter, of this number of numbers.
@@ -199,6 +231,19 @@ impl Parameter {
     /// The texture that may multiply it.
     pub(crate) fn texture(&self) -> Option<&'static TextureParameter> {
         self.texture.and_then(TextureParameter::find)
+    }
+
+    /// Gives a layer, whether or not the surface has it, the value of one that is absent, and no texture.
+    pub(crate) fn remove(&self, desc: &mut MaterialDesc) {
+        let Some(layer) = self.layer else { return };
+        match ((self.access)(desc), layer.default) {
+            (Some(Field::Number(number)), Value::Number(default)) => *number = default,
+            (Some(Field::Color(color)), Value::Color(default)) => *color = default,
+            _ => {}
+        }
+        if let Some(texture) = self.texture() {
+            *texture.of_mut(&mut desc.textures) = None;
+        }
     }
 
     /// Whether a texture multiplies it.
@@ -233,17 +278,7 @@ pub(crate) fn layers(desc: &MaterialDesc) -> impl Iterator<Item = (&'static Para
 
 /// Removes all layers and their textures.
 pub(crate) fn remove_layers(desc: &mut MaterialDesc) {
-    for parameter in PARAMETERS {
-        let Some(layer) = parameter.layer else { continue };
-        match ((parameter.access)(desc), layer.default) {
-            (Some(Field::Number(number)), Value::Number(default)) => *number = default,
-            (Some(Field::Color(color)), Value::Color(default)) => *color = default,
-            _ => {}
-        }
-        if let Some(texture) = parameter.texture() {
-            *texture.of_mut(&mut desc.textures) = None;
-        }
-    }
+    PARAMETERS.iter().for_each(|parameter| parameter.remove(desc));
 }
 
 #[cfg(test)]
@@ -267,7 +302,7 @@ mod tests {
     /// Each parameter is in the surfaces of its kinds, and can be set there alone. The defaults are those of a new material.
     #[test]
     fn kinds_have_the_parameters() {
-        for kind in [Kind::Lambert, Kind::Mirror, Kind::Glass, Kind::Boundary, Kind::Thin, Kind::Glossy] {
+        for kind in Kind::ALL {
             let desc = MaterialDesc::new("", kind.surface());
             assert_eq!(Kind::of(&desc.surface), kind);
             for parameter in PARAMETERS {
@@ -279,7 +314,10 @@ mod tests {
                     Value::Color(_) => Value::Color([0.25; 3]),
                 });
                 assert_eq!(parameter.set(&mut changed, value), found.is_some());
-                assert_eq!(values(&changed).any(|(other, found)| other.key == parameter.key && found == value), found.is_some());
+                assert_eq!(
+                    values(&changed).any(|(other, found)| other.key == parameter.key && found == value),
+                    found.is_some()
+                );
             }
             let mut bare = desc.clone();
             remove_layers(&mut bare);

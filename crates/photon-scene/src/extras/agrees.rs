@@ -69,7 +69,11 @@ impl Agrees for MaterialDesc {
             (Some(found), Some(exact)) => all_close(found, exact),
             (found, exact) => found == exact,
         };
-        parameters && sides && inside && close(strength(self), strength(exact)) && all_close(self.emission, exact.emission)
+        parameters
+            && sides
+            && inside
+            && close(strength(self), strength(exact))
+            && all_close(self.emission, exact.emission)
     }
 }
 

@@ -16,7 +16,7 @@ pub(crate) enum PhaseExtras {
 
 impl PhaseExtras {
     pub(super) fn new(phase: PhaseDesc) -> Option<Self> {
-        (phase != PhaseDesc::default()).then(|| match phase {
+        (phase != PhaseDesc::default()).then_some(match phase {
             PhaseDesc::HenyeyGreenstein { anisotropy } => Self::HenyeyGreenstein { anisotropy: Exact(anisotropy) },
             PhaseDesc::Rayleigh => Self::Rayleigh,
             PhaseDesc::Mie { droplet_micrometres } => Self::Mie { droplet_micrometres: Exact(droplet_micrometres) },

@@ -35,7 +35,8 @@ impl TexturesExtras {
                 (transform != TextureRef::IDENTITY).then(|| (texture.field.to_owned(), exact))
             })
             .collect();
-        let [normal_scale, clearcoat_normal_scale] = [textures.normal_scale, textures.clearcoat_normal_scale].map(Exact);
+        let [normal_scale, clearcoat_normal_scale] =
+            [textures.normal_scale, textures.clearcoat_normal_scale].map(Exact);
         let is_plain = transforms.is_empty() && normal_scale.0 == 1.0 && clearcoat_normal_scale.0 == 1.0;
         (!is_plain).then_some(Self { transforms, normal_scale, clearcoat_normal_scale })
     }

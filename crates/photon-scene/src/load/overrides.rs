@@ -215,7 +215,7 @@ impl Overrides {
             if let Some(texture) = parameter.texture() {
                 *texture.of_mut(&mut desc.textures) = None;
             }
-            if !parameter.set(desc, parameter.from_files(value)) {
+            if !parameter.set(desc, parameter.in_radians(value)) {
                 left.push(parameter.key);
             }
         }

@@ -213,3 +213,18 @@ pub(super) struct Sky {
 fn unscaled() -> f64 {
     1.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameter::PARAMETERS;
+
+    #[test]
+    fn every_parameter_is_a_key() {
+        for parameter in PARAMETERS {
+            let text = format!("[materials.a]\n{} = 0.5", parameter.key);
+            let file: File = toml::from_str(&text).unwrap();
+            assert!(file.materials["a"].value(parameter.key).is_some(), "{text}");
+        }
+    }
+}

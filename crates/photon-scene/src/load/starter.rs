@@ -104,7 +104,7 @@ fn entries(desc: &MaterialDesc) -> Vec<(&'static str, String, bool)> {
     for (parameter, value) in parameter::values(desc) {
         let is_textured = parameter.is_textured(desc);
         if is_textured || parameter.is_present(desc) {
-            let text = match parameter.in_files(value) {
+            let text = match parameter.in_degrees(value) {
                 Value::Number(value) => number(value),
                 Value::Color(value) => color(value),
             };

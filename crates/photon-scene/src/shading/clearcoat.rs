@@ -2,31 +2,16 @@
 
 use photon_core::ClearcoatNormal;
 
-use crate::describe::{MaterialDesc, Surface};
+use crate::describe::MaterialDesc;
 use crate::texture::TextureRef;
 
 use super::fold::is_flat;
 
-/// Multiplies the factors of a clearcoat by textures of one colour. Glass has no clearcoat.
-pub(super) fn fold_clearcoat(material: &mut MaterialDesc, color_of: impl Fn(TextureRef) -> Option<[f64; 3]>) {
+/// Removes the normal map of a clearcoat that does not turn the normal.
+pub(super) fn fold_clearcoat_normal(material: &mut MaterialDesc, color_of: impl Fn(TextureRef) -> Option<[f64; 3]>) {
     let textures = &mut material.textures;
-    if matches!(material.surface, Surface::Dielectric { .. } | Surface::Boundary { .. } | Surface::Thin { .. }) {
-        material.clearcoat = 0.0;
-    }
-    if let Some([red, ..]) = textures.clearcoat.and_then(&color_of) {
-        material.clearcoat *= red;
-        textures.clearcoat = None;
-    }
-    if let Some([_, green, _]) = textures.clearcoat_roughness.and_then(&color_of) {
-        material.clearcoat_roughness *= green;
-        textures.clearcoat_roughness = None;
-    }
     if material.clearcoat == 0.0 {
-        material.clearcoat_roughness = 0.0;
-        (textures.clearcoat, textures.clearcoat_roughness, textures.clearcoat_normal) = (None, None, None);
-    }
-    if material.clearcoat_roughness == 0.0 {
-        textures.clearcoat_roughness = None;
+        textures.clearcoat_normal = None;
     }
     let is_even = |used: TextureRef| color_of(used).is_some_and(is_flat);
     if textures.clearcoat_normal_scale == 0.0 || textures.clearcoat_normal.is_some_and(is_even) {

@@ -3,37 +3,16 @@
 use photon_core::DiffuseTransmission;
 
 use crate::describe::{MaterialDesc, Surface};
-use crate::texture::TextureRef;
 
-/// Multiplies share and colour by textures of one colour. Only surfaces with a diffuse base transmit.
-pub(super) fn fold_diffuse_transmission(
-    material: &mut MaterialDesc,
-    color_of: impl Fn(TextureRef) -> Option<[f64; 3]>,
-    alpha_of: impl Fn(TextureRef) -> Option<f64>,
-) {
-    let textures = &mut material.textures;
+/// Removes diffuse transmission from surfaces without a diffuse base.
+pub(super) fn remove_without_base(material: &mut MaterialDesc) {
     let has_base = match material.surface {
         Surface::Lambert { .. } => true,
-        Surface::Glossy { metallic, .. } => metallic < 1.0 || textures.metallic_roughness.is_some(),
+        Surface::Glossy { metallic, .. } => metallic < 1.0 || material.textures.metallic_roughness.is_some(),
         Surface::Mirror { .. } | Surface::Dielectric { .. } | Surface::Boundary { .. } | Surface::Thin { .. } => false,
     };
     if !has_base {
         material.diffuse_transmission = 0.0;
-    }
-    if let Some(alpha) = textures.diffuse_transmission.and_then(alpha_of) {
-        material.diffuse_transmission *= alpha;
-        textures.diffuse_transmission = None;
-    }
-    let color = &mut material.diffuse_transmission_color;
-    if *color == [0.0; 3] {
-        textures.diffuse_transmission_color = None;
-    } else if let Some(uniform) = textures.diffuse_transmission_color.and_then(color_of) {
-        *color = std::array::from_fn(|channel| color[channel] * uniform[channel]);
-        textures.diffuse_transmission_color = None;
-    }
-    if material.diffuse_transmission == 0.0 {
-        *color = [1.0; 3];
-        (textures.diffuse_transmission, textures.diffuse_transmission_color) = (None, None);
     }
 }
 

@@ -5,13 +5,13 @@ use photon_core::{Texture, ggx};
 
 use super::alpha::uniform_alpha;
 use super::anisotropy::{fold_anisotropy, remove_anisotropy};
-use super::clearcoat::fold_clearcoat;
-use super::diffuse_transmission::fold_diffuse_transmission;
-use super::sheen::fold_sheen;
+use super::clearcoat::fold_clearcoat_normal;
+use super::diffuse_transmission::remove_without_base;
 use super::specular_color::fold_specular_color;
 use super::texel::Decoder;
 use super::transmission::fold_transmission;
 use crate::describe::{MaterialDesc, Surface};
+use crate::parameter::{Channel, PARAMETERS};
 use crate::texture::{TextureDesc, TextureRef};
 
 /// Multiplies the factors of each material by its textures of one colour, and removes those textures; then replaces its
@@ -59,9 +59,9 @@ pub(crate) fn fold(materials: &mut [MaterialDesc], all: &[TextureDesc]) {
             (textures.metallic_roughness, textures.specular) = (None, None);
         }
         fold_specular_color(material, color_of);
-        fold_clearcoat(material, color_of);
-        fold_diffuse_transmission(material, color_of, alpha_of);
-        fold_sheen(material, color_of, alpha_of);
+        remove_without_base(material);
+        fold_layers(material, color_of, alpha_of);
+        fold_clearcoat_normal(material, color_of);
     }
 }
 
@@ -84,6 +84,36 @@ pub(crate) fn is_smooth_metal(desc: &MaterialDesc) -> bool {
     let is_bare = desc.clearcoat == 0.0 && desc.sheen_color == [0.0; 3];
     let is_varied = desc.textures.metallic_roughness.is_some() || desc.anisotropy > 0.0;
     metallic >= 1.0 && roughness * roughness < f64::from(ggx::MIN_ALPHA) && is_bare && !is_varied
+}
+
+/// The same for textures of layers; removes layers that the surface does not have. The specular colour follows rules of its
+/// own, as do directions.
+fn fold_layers(
+    material: &mut MaterialDesc,
+    color_of: impl Fn(TextureRef) -> Option<[f64; 3]>,
+    alpha_of: impl Fn(TextureRef) -> Option<f64>,
+) {
+    for parameter in PARAMETERS.iter().filter(|parameter| parameter.key != "specular_color") {
+        let Some(texture) = parameter.texture().filter(|texture| texture.channel != Channel::Vector) else { continue };
+        if parameter.layer.is_none() {
+            continue;
+        }
+        if !parameter.is_present(material) {
+            parameter.remove(material);
+            continue;
+        }
+        let mean = texture.of(&material.textures).and_then(|used| match texture.channel {
+            Channel::Alpha => alpha_of(used).map(|alpha| ([1.0; 3], alpha)),
+            Channel::Green => color_of(used).map(|color| (color, color[1])),
+            _ => color_of(used).map(|color| (color, color[0])),
+        });
+        if let Some((color, channel)) = mean {
+            parameter.multiply(material, color, channel);
+        }
+        if mean.is_some() || parameter.is_zero(material) {
+            *texture.of_mut(&mut material.textures) = None;
+        }
+    }
 }
 
 /// The same for a texture of roughness and metal; surfaces that have neither do not use it.

@@ -21,13 +21,8 @@ const SOME_METAL: f64 = 0.01;
 const DARKEST: f64 = 1e-6;
 
 /// Extensions of materials that are supported, or reported by separate code, beside those of layers.
-const KNOWN: &[&str] = &[
-    "KHR_materials_unlit",
-    specular_glossiness::NAME,
-    parameters::DISPERSION,
-    scatter::NAMES[0],
-    scatter::NAMES[1],
-];
+const KNOWN: &[&str] =
+    &["KHR_materials_unlit", specular_glossiness::NAME, parameters::DISPERSION, scatter::NAMES[0], scatter::NAMES[1]];
 
 /// Converts one material; what is lost is reported.
 pub(super) fn describe(
@@ -248,7 +243,9 @@ fn report_rest(material: &Material, subject: &str, report: &mut LoadReport) {
         report.note(subject, "its occlusion map is not needed");
     }
     let others = material.extensions.iter().flat_map(|extensions| extensions.others.keys());
-    let is_layer = |name: &str| PARAMETERS.iter().any(|of| of.layer.and_then(|layer| layer.gltf).is_some_and(|gltf| gltf.0 == name));
+    let is_layer = |name: &str| {
+        PARAMETERS.iter().any(|of| of.layer.and_then(|layer| layer.gltf).is_some_and(|gltf| gltf.0 == name))
+    };
     for name in others.filter(|name| !KNOWN.contains(&name.as_str()) && !is_layer(name)) {
         report.left_out(subject, format!("its {name}, which is not modelled; the surface is rendered without it"));
     }

@@ -136,14 +136,10 @@ pub(super) fn kinds_with(property: &str) -> String {
         "emission" | "emits_both_sides" => "all but boundary have",
         _ => "",
     };
-    match Parameter::find(property).map(|parameter| parameter.kinds) {
-        _ if !special.is_empty() => special.to_owned(),
-        None | Some([]) => "glass and boundary have".to_owned(),
-        Some([only]) => format!("{} has", only.name()),
-        Some([rest @ .., last]) => {
-            let rest: Vec<&str> = rest.iter().map(|kind| kind.name()).collect();
-            format!("{} and {} have", rest.join(", "), last.name())
-        }
+    match Parameter::find(property) {
+        Some(parameter) if special.is_empty() => parameter.kinds_with(),
+        None if special.is_empty() => "glass and boundary have".to_owned(),
+        _ => special.to_owned(),
     }
 }
 

@@ -103,14 +103,15 @@ impl RawBuilder {
         name: &str,
         kind: &str,
         parameters: Vec<(String, Vec<f64>)>,
-        (emission, emits_both_sides): ([f64; 3], bool),
+        emission: ([f64; 3], bool),
         phase_function: PhaseArguments,
         dispersion: Vec<f64>,
         textures: TextureUses,
     ) -> PyResult<usize> {
         let parameters = parameters.iter().map(|(key, numbers)| (key.as_str(), numbers.as_slice()));
         let mut desc = MaterialDesc::with_parameters(name, kind, parameters).map_err(Failure::from)?;
-        (desc.emission, desc.emits_both_sides, desc.phase) = (emission, emits_both_sides, phase(&phase_function)?);
+        (desc.emission, desc.emits_both_sides) = emission;
+        desc.phase = phase(&phase_function)?;
         let desc = match dispersion[..] {
             [] => desc,
             [abbe] => desc.with_dispersion(Dispersion::Abbe(abbe)),

@@ -71,6 +71,7 @@ pub use scene::light::Light;
 pub use scene::light_groups::LightGroups;
 pub use scene::light_shares::{LightShare, light_shares};
 pub use scene::material::{Material, MaterialKind, Primitive};
+pub use scene::material_layers::MaterialLayers;
 pub use scene::media::{Interface, MediaFeatures, MediumStack, interface, radiance_scale};
 pub use scene::medium::Medium;
 pub use scene::portal::Portal;

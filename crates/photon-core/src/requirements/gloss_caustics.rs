@@ -40,15 +40,14 @@ fn is_glossy(material: &Material, scene: &SceneView<'_>) -> bool {
 /// An upper bound on [`crate::gloss_caustics::narrowest`] over the points of a material.
 fn most_narrowest(material: &Material, scene: &SceneView<'_>) -> f32 {
     let used = |texture: u32| texture != MaterialTextures::NONE;
-    let Some(index) = (material.textures as usize).checked_sub(1) else { return material.roughness };
-    let Some(textures) = scene.shading.material_textures.get(index) else { return material.roughness };
+    let layers = scene.shading.layers(material);
+    let Some(textures) = layers.textures else { return material.roughness };
     // Texels of a host may be above 1; where a texture has a weight of 0, that part is absent.
     let mut most = if used(textures.metallic_roughness) { f32::INFINITY } else { material.roughness };
-    if textures.clearcoat_factor > 0.0 && !used(textures.clearcoat) && !used(textures.clearcoat_roughness) {
-        most = most.min(textures.clearcoat_roughness_factor);
+    if let Some(coat) = layers.clearcoat.filter(|of| !used(of.clearcoat) && !used(of.clearcoat_roughness)) {
+        most = most.min(coat.clearcoat_roughness_factor);
     }
-    let sheen = scene.shading.sheens.get(index).filter(|sheen| sheen.color != [0.0; 3]);
-    if let Some(sheen) = sheen.filter(|sheen| !used(sheen.color_texture) && !used(sheen.roughness_texture)) {
+    if let Some(sheen) = layers.sheen.filter(|sheen| !used(sheen.color_texture) && !used(sheen.roughness_texture)) {
         most = most.min(sheen.roughness);
     }
     most

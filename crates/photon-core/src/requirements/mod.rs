@@ -210,13 +210,11 @@ fn reads(settings: &Settings, kind: MapKind) -> bool {
 /// Whether camera paths and photons go on from a material by reflection or refraction: a sheet that transmits diffusely may
 /// have a base alone.
 pub(crate) fn reflects(material: &Material, scene: &SceneView<'_>) -> bool {
-    let index = (material.textures as usize).checked_sub(1);
-    let textures = index.and_then(|index| scene.shading.material_textures.get(index));
-    let sheen = index.and_then(|index| scene.shading.sheens.get(index));
+    let layers = scene.shading.layers(material);
     let is_matte = material.flags & Material::DIFFUSE_TRANSMISSION != 0
         && (material.metallic, material.specular) == (0.0, 0.0)
-        && textures.is_none_or(|textures| textures.clearcoat_factor == 0.0)
-        && sheen.is_none_or(|sheen| sheen.color == [0.0; 3]);
+        && layers.clearcoat.is_none()
+        && layers.sheen.is_none();
     material.is_specular() && !is_matte
 }
 
@@ -246,40 +244,19 @@ fn shading_features(material: &Material, tables: &ShadingTables<'_>) -> Features
     let when = |holds: bool, features: Features| if holds { features } else { Features::NONE };
     let attributes = when(!tables.normals.is_empty(), Features::SHADING_NORMALS)
         .union(when(!tables.colors.is_empty(), Features::VERTEX_COLORS));
-    let index = (material.textures as usize).checked_sub(1);
-    let Some(textures) = index.and_then(|index| tables.material_textures.get(index)) else { return attributes };
+    let layers = tables.layers(material);
+    let Some(textures) = layers.textures else { return attributes };
     let used = |index: u32| index != MaterialTextures::NONE;
     let is_glossy = material.kind() == MaterialKind::Glossy;
-    let anisotropy = tables.anisotropies.get(textures.anisotropy as usize);
-    let coat = index.and_then(|index| tables.clearcoat_normals.get(index));
-    let coat = coat.filter(|coat| coat.is_own != 0 && textures.clearcoat_factor > 0.0);
-    let transmission = index.and_then(|index| tables.diffuse_transmissions.get(index));
-    let transmission = transmission.filter(|entry| entry.factor > 0.0);
-    let sheen = index.and_then(|index| tables.sheens.get(index)).filter(|sheen| sheen.color != [0.0; 3]);
-    let all = [
-        textures.base_color,
-        textures.emission,
-        textures.metallic_roughness,
-        textures.specular,
-        textures.specular_color,
-        textures.clearcoat,
-        textures.clearcoat_roughness,
-        anisotropy.map_or(MaterialTextures::NONE, |anisotropy| anisotropy.texture),
-        coat.map_or(MaterialTextures::NONE, |coat| coat.texture),
-        transmission.map_or(MaterialTextures::NONE, |entry| entry.color_texture),
-        transmission.map_or(MaterialTextures::NONE, |entry| entry.factor_texture),
-        sheen.map_or(MaterialTextures::NONE, |sheen| sheen.color_texture),
-        sheen.map_or(MaterialTextures::NONE, |sheen| sheen.roughness_texture),
-    ];
     attributes
-        .union(when(all.into_iter().any(used), Features::TEXTURES))
+        .union(when(layers.is_textured(), Features::TEXTURES))
         .union(when(is_glossy && textures.has_specular_color(), Features::SPECULAR_COLORS))
-        .union(when(is_glossy && textures.clearcoat_factor > 0.0, Features::CLEARCOAT))
-        .union(when(is_glossy && textures.clearcoat_factor > 0.0 && material.is_emissive(), Features::COATED_LIGHTS))
-        .union(when(is_glossy && sheen.is_some(), Features::SHEEN))
-        .union(when(is_glossy && anisotropy.is_some(), Features::ANISOTROPY))
-        .union(when(is_glossy && coat.is_some(), Features::CLEARCOAT_NORMALS))
-        .union(when(is_glossy && transmission.is_some(), Features::DIFFUSE_TRANSMISSION))
+        .union(when(is_glossy && layers.clearcoat.is_some(), Features::CLEARCOAT))
+        .union(when(is_glossy && layers.clearcoat.is_some() && material.is_emissive(), Features::COATED_LIGHTS))
+        .union(when(is_glossy && layers.sheen.is_some(), Features::SHEEN))
+        .union(when(is_glossy && layers.anisotropy.is_some(), Features::ANISOTROPY))
+        .union(when(is_glossy && layers.clearcoat_normal.is_some(), Features::CLEARCOAT_NORMALS))
+        .union(when(is_glossy && layers.diffuse_transmission.is_some(), Features::DIFFUSE_TRANSMISSION))
         .union(when(used(textures.normal), Features::NORMAL_MAPS.union(Features::SHADING_NORMALS)))
         .union(when(used(textures.emission) && material.is_emissive(), Features::TEXTURED_LIGHTS))
 }

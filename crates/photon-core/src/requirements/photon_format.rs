@@ -104,13 +104,8 @@ fn is_grey(scene: &SceneView<'_>) -> bool {
         let features = crate::requirements::material_features(material, scene);
         let even = scene.media.get(material.medium as usize).is_none_or(even_medium);
         let colored = Features::TEXTURES.union(Features::VERTEX_COLORS).union(Features::SPECULAR_COLORS);
-        let index = (material.textures as usize).checked_sub(1);
-        let entry = index.and_then(|index| scene.shading.diffuse_transmissions.get(index));
-        let transmits = entry.is_none_or(|entry| entry.factor == 0.0 || equal(entry.color));
-        let sheen = index.and_then(|index| scene.shading.sheens.get(index));
         equal(material.albedo)
-            && transmits
-            && sheen.is_none_or(|sheen| equal(sheen.color))
+            && scene.shading.layers(material).are_grey()
             && !features.intersects(colored)
             && (even || !features.contains(Features::ABSORPTION))
     };

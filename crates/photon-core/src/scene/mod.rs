@@ -12,6 +12,7 @@ pub(crate) mod light;
 pub(crate) mod light_groups;
 pub(crate) mod light_shares;
 pub(crate) mod material;
+pub(crate) mod material_layers;
 pub(crate) mod media;
 pub(crate) mod medium;
 pub(crate) mod portal;

@@ -1,6 +1,6 @@
 //! What is not written for Mitsuba is refused, so that nothing is lost silently.
 
-use photon_core::{Material, MaterialTextures};
+use photon_core::MaterialTextures;
 use photon_scene::Scene;
 
 use crate::fault::Fault;
@@ -13,8 +13,6 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
     let view = scene.view();
     let refused =
         |what: String, remedy: &str| Err(Fault::input(format!("{what} cannot be written for Mitsuba; {remedy}")));
-    let textures =
-        |index: u32| index.checked_sub(1).and_then(|index| view.shading.material_textures.get(index as usize));
     for (name, material) in scene.material_names().zip(view.materials) {
         if material.has_alpha() {
             return refused(
@@ -22,35 +20,22 @@ pub(super) fn refuse(scene: &Scene) -> Result<(), Fault> {
                 "write a .glb, which has it, or make the material opaque (alpha = 1 in an override file)",
             );
         }
-        let Some(textures) = textures(material.textures) else { continue };
-        if textures.clearcoat_factor > 0.0 {
+        let layers = view.shading.layers(material);
+        let Some(textures) = layers.textures else { continue };
+        let present = [
+            ("clearcoat", layers.clearcoat.is_some()),
+            ("anisotropy", layers.anisotropy.is_some()),
+            ("diffuse_transmission", layers.diffuse_transmission.is_some()),
+            ("sheen", layers.sheen.is_some()),
+        ];
+        if let Some((key, _)) = present.into_iter().find(|(_, is_present)| *is_present) {
             return refused(
-                format!("the clearcoat of material '{name}'"),
-                "write a .glb, which has it, or remove it (clearcoat = 0 in an override file)",
+                format!("the {} of material '{name}'", key.replace('_', " ")),
+                &format!("write a .glb, which has it, or remove it ({key} = 0 in an override file)"),
             );
         }
-        if textures.anisotropy != MaterialTextures::NONE {
-            return refused(
-                format!("the anisotropy of material '{name}'"),
-                "write a .glb, which has it, or remove it (anisotropy = 0 in an override file)",
-            );
-        }
-        if material.flags & Material::DIFFUSE_TRANSMISSION != 0 {
-            return refused(
-                format!("the diffuse transmission of material '{name}'"),
-                "write a .glb, which has it, or remove it (diffuse_transmission = 0 in an override file)",
-            );
-        }
-        let sheen = view.shading.sheens.get(material.textures as usize - 1);
-        if sheen.is_some_and(|sheen| sheen.color != [0.0; 3]) {
-            return refused(
-                format!("the sheen of material '{name}'"),
-                "write a .glb, which has it, or remove it (sheen = 0 in an override file)",
-            );
-        }
-        let share = view.shading.partial_transmissions.get(material.textures as usize - 1);
         let uses = [
-            ("transmission", share.map_or(MaterialTextures::NONE, |share| share.factor_texture)),
+            ("transmission", layers.partial_transmission.map_or(MaterialTextures::NONE, |share| share.factor_texture)),
             ("base colour", textures.base_color),
             ("emission", textures.emission),
             ("normal", textures.normal),

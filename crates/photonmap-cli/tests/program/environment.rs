@@ -38,8 +38,8 @@ fn close(found: [f64; 3], truth: [f64; 3]) -> bool {
     (0..3).all(|c| (found[c] - truth[c]).abs() <= 0.01 * truth[c])
 }
 
-/// A plate under an even environment of radiance L has the radiance albedo · L, and under the sky albedo / π times the
-/// irradiance of sky and sun on the horizontal plane, integrated here.
+/// A plate under an even environment of radiance L has the radiance albedo · L, and under another albedo / π times the
+/// irradiance on the horizontal plane: of a gradient in closed form, of sky and sun integrated here.
 #[test]
 fn a_plate_shows_its_irradiance() {
     let folder = folder("environment-plate");
@@ -51,6 +51,13 @@ fn a_plate_shows_its_irradiance() {
     assert!(!close(even, [1.03 * ALBEDO; 3]), "{even:?}");
     let scaled = under(&["--environment", "constant:1,2,0.5", "--environment-scale", "2"]);
     assert!(close(scaled, [2.0, 4.0, 1.0].map(|c| c * ALBEDO)), "{scaled:?}");
+
+    // The radiance 1 + 0.9 d·ω, times the cosine, over the hemisphere: π (1 + 0.6 d·n). Without any light it is the default.
+    let lit = 4.0 / 29.0_f64.sqrt();
+    for arguments in [&["--environment", "gradient"][..], &[]] {
+        let gradient = under(arguments);
+        assert!(close(gradient, [ALBEDO * (1.0 + 0.6 * lit); 3]), "{gradient:?}");
+    }
 
     let baked = EnvironmentDesc::sky(30.0, 3.0).bake().unwrap();
     let Sun { direction, irradiance, .. } = baked.sun.unwrap();

@@ -54,10 +54,18 @@ def phase(name: str, anisotropy: Any, droplet_micrometres: Any) -> tuple[str, fl
 _COLORS = {"albedo", "tint", "absorption", "scattering", "sheen", "diffuse_transmission_color"}
 
 
-def _layer(key: str, value: Any, **others: Any) -> dict[str, Any]:
-    """The parameters of a layer; none of one that is absent."""
-    numbers = triple(key, value) if key in _COLORS else [number(key, value)]
-    return {key: value, **others} if any(numbers) else {}
+def _numbers(key: str, value: Any) -> list[float]:
+    return triple(key, value) if key in _COLORS else [number(key, value)]
+
+
+def _layer(absent: dict[str, Any], **given: Any) -> dict[str, Any]:
+    """The parameters of a layer; none if all have the values of one that is absent."""
+    return given if any(_numbers(key, value) != _numbers(key, absent[key]) for key, value in given.items()) else {}
+
+
+def _leaf(share: Any, color: Any) -> dict[str, Any]:
+    absent = {"diffuse_transmission": 0, "diffuse_transmission_color": 1}
+    return _layer(absent, diffuse_transmission=share, diffuse_transmission_color=color)
 
 
 def _in_place(texture: Texture, use: str) -> Texture:
@@ -107,9 +115,10 @@ class Material:
 
     def _add_to(self, builder: Any, name: str, added: dict[Any, int]) -> int:
         kind, given = self._parameters()
-        given |= _layer("clearcoat", self.clearcoat, clearcoat_roughness=self.clearcoat_roughness)
-        given |= _layer("sheen", self.sheen, sheen_roughness=self.sheen_roughness)
-        parameters = [(key, triple(key, value) if key in _COLORS else [number(key, value)]) for key, value in given.items()]
+        for name_of_layer in ("clearcoat", "sheen"):
+            keys = (name_of_layer, f"{name_of_layer}_roughness")
+            given |= _layer(dict.fromkeys(keys, 0), **{key: getattr(self, key) for key in keys})
+        parameters = [(key, _numbers(key, value)) for key, value in given.items()]
         emission = (triple("emission", self.emission), bool(self.emits_both_sides))
         cutoff = None if self.alpha_cutoff is None else number("alpha_cutoff", self.alpha_cutoff)
         textures = (self._textures(builder, name, added), number("normal_scale", self.normal_scale), cutoff)
@@ -162,9 +171,7 @@ class Lambert(Material):
     diffuse_transmission_color: Any = 1.0
 
     def _parameters(self) -> tuple[str, dict[str, Any]]:
-        color = self.diffuse_transmission_color
-        leaf = _layer("diffuse_transmission", self.diffuse_transmission, diffuse_transmission_color=color)
-        return "lambert", {"albedo": self.albedo, **leaf}
+        return "lambert", {"albedo": self.albedo, **_leaf(self.diffuse_transmission, self.diffuse_transmission_color)}
 
 
 @dataclass(frozen=True)
@@ -174,7 +181,7 @@ class Mirror(Material):
     reflectance: Any = 1.0
 
     def _parameters(self) -> tuple[str, dict[str, Any]]:
-        return "mirror", {"albedo": self.reflectance}
+        return "mirror", {"albedo": triple("reflectance", self.reflectance)}
 
 
 @dataclass(frozen=True)
@@ -190,7 +197,8 @@ class Glass(Material):
     file. `density_scale`: a factor.
 
     Light is dispersed by at most one of `abbe`, the Abbe number, > 0; `cauchy`, `(A, B)` of n = A + B/λ²; and `sellmeier`,
-    `(B1, B2, B3, C1, C2, C3)` of n² = 1 + Σ Bλ²/(λ² − C), λ in micrometres. The last two replace `ior`. Not for thin panes.
+    `(B1, B2, B3, C1, C2, C3)` of n² = 1 + Σ Bλ²/(λ² − C), λ in micrometres. The last two replace `ior`. A thin pane has neither
+    these nor anything inside.
     """
 
     ior: float = 1.5
@@ -289,7 +297,7 @@ class Metal(Material):
     roughness: float = 0.2
 
     def _parameters(self) -> tuple[str, dict[str, Any]]:
-        return "glossy", {"albedo": self.reflectance, "metallic": 1, "roughness": self.roughness}
+        return "glossy", {"albedo": triple("reflectance", self.reflectance), "metallic": 1, "roughness": self.roughness}
 
 
 @dataclass(frozen=True)
@@ -311,7 +319,7 @@ class Plastic(Material):
 
     def _parameters(self) -> tuple[str, dict[str, Any]]:
         given = {"albedo": self.albedo, "roughness": self.roughness, "ior": self.ior, "specular": self.specular}
-        color = self.diffuse_transmission_color
-        leaf = _layer("diffuse_transmission", self.diffuse_transmission, diffuse_transmission_color=color)
-        inside = {} if self.absorption is None else {"absorption": self.absorption}
-        return "glossy", given | leaf | _layer("transmission", self.transmission, **inside)
+        leaf = _leaf(self.diffuse_transmission, self.diffuse_transmission_color)
+        glass = {"transmission": self.transmission}
+        glass |= {} if self.absorption is None else {"absorption": self.absorption}
+        return "glossy", given | leaf | glass

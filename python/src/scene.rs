@@ -98,6 +98,7 @@ impl RawBuilder {
 
     /// Adds a material and returns its number. `kind`, `parameters`: as in override files; `emission`: radiance, and whether
     /// the back emits; `dispersion`: no number, or the 1, 2 or 6 of its formula; `textures`: see [`TextureUses`].
+    #[expect(clippy::too_many_arguments, reason = "called by Python alone, by position")]
     fn material(
         &mut self,
         name: &str,

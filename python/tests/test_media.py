@@ -39,8 +39,9 @@ def test_media():
         scene(scattering=0.1, box=box[::-1]).build()
     with pytest.raises(pm.InputError, match="must have"):
         scene(scattering=0.1, box=box[0])
-    for wrong in (pm.Glass(scattering=-1), pm.Glass(scattering=1, anisotropy=-1), pm.Glass(thin=True, scattering=1)):
-        with pytest.raises(pm.InputError, match="scattering|anisotropy"):
+    pane = pm.Glass(thin=True, absorption=1)
+    for wrong in (pm.Glass(scattering=-1), pm.Glass(scattering=1, anisotropy=-1), pm.Glass(thin=True, scattering=1), pane):
+        with pytest.raises(pm.InputError, match="scattering|anisotropy|absorption"):
             scene().quad("milk", FLOOR, wrong).build()
 
 

@@ -131,8 +131,12 @@ def test_a_translucent_sheet():
     np.testing.assert_allclose(lit, 10 / np.pi, rtol=1e-5)
     np.testing.assert_allclose(through, lit * [0.125, 0.25, 0.0], rtol=1e-5)
     assert pm.Plastic(0.5, transmission=0.5) != pm.Plastic(0.5)
-    for wrong in (pm.Plastic(0.5, transmission=1.5), pm.Glass(sheen=0.5), pm.Lambert(diffuse_transmission=-1)):
-        with pytest.raises(pm.InputError, match="transmission|sheen"):
+    refused = [pm.Plastic(0.5, transmission=1.5), pm.Glass(sheen=0.5), pm.Lambert(diffuse_transmission=-1)]
+    # Also what belongs to a layer that is absent.
+    refused += [pm.Lambert(diffuse_transmission_color=2), pm.Mirror(sheen_roughness=-1)]
+    refused += [pm.Plastic(absorption=1), pm.Plastic(transmission=0.5, absorption="x")]
+    for wrong in refused:
+        with pytest.raises(pm.InputError, match="transmission|sheen|absorption"):
             pm.Scene().quad("quad", FLOOR, wrong).build()
 
 

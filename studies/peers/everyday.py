@@ -73,7 +73,10 @@ def bsdf(parent, material, stem, folder):
         outer = ET.SubElement(outer, "bsdf", type="twosided")
     if material.normalTexture is not None:
         outer = ET.SubElement(outer, "bsdf", type="normalmap")
-        texture(outer, "normalmap", material.normalTexture.convert("RGB"), folder / f"{stem}-normal.png", True)
+        # Green is up in glTF, against the direction of v; here it is along v.
+        red, green, blue = material.normalTexture.convert("RGB").split()
+        turned = Image.merge("RGB", (red, green.point(lambda value: 255 - value), blue))
+        texture(outer, "normalmap", turned, folder / f"{stem}-normal.png", True)
     inner = ET.SubElement(outer, "bsdf", type="principled")
     factor = material.baseColorFactor
     colour = [1.0, 1.0, 1.0] if factor is None else [c / 255 for c in factor[:3]]

@@ -136,7 +136,7 @@ fn camera_paths_are_the_same_paths() {
         );
         // Reflection at many surfaces amplifies rounding errors: so much also changes if the camera is nudged once.
         let nudged = share(&a, &look_nudged(&mut cpu, &scene, 3));
-        assert!(1.0 - found <= 0.002 + 3.0 * (1.0 - nudged), "{name}: {found} as against {nudged}");
+        assert!(1.0 - found <= (0.002 + 3.0 * (1.0 - nudged)).min(0.05), "{name}: {found} as against {nudged}");
         assert!(worst < 1e-3 && total < 1e-3, "{name}: {worst} {total}");
         let first = |film: &Film| (film.depth(), film.normal(), film.albedo());
         let ((depth_a, normal_a, albedo_a), (depth_b, normal_b, albedo_b)) = (first(&film_a), first(&film_b));

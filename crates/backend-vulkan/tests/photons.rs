@@ -154,7 +154,8 @@ fn photons_are_those_of_the_processor() {
             // errors, of which there is one for each surface: so much also changes if each ray is nudged once.
             let nudged = self::share(ours, &nudged.photons[kind]);
             println!("    {nudged:.5} near after a nudge");
-            assert!(1.0 - share < 0.002 + 3.0 * (1.0 - nudged) || ours.is_empty(), "{name}: {map} map: {share}");
+            let bound = (0.002 + 3.0 * (1.0 - nudged)).min(0.05);
+            assert!(1.0 - share < bound || ours.is_empty(), "{name}: {map} map: {share}");
         }
     }
 }

@@ -20,7 +20,7 @@ pub enum SceneError {
         /// The valid range.
         hint: &'static str,
     },
-    /// A material is given a kind or a parameter that does not exist.
+    /// A material is given a kind or a parameter that does not exist, or another number of numbers.
     #[error("material '{}': {}; {}", shown(material), shown(what), shown(hint))]
     Parameter {
         /// Name of the material.

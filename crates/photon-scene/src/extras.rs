@@ -66,17 +66,17 @@ pub(crate) struct MaterialExtras {
 impl MaterialExtras {
     pub(crate) fn new(desc: &MaterialDesc) -> Self {
         let kind = Kind::of(&desc.surface);
-        let usual: BTreeMap<&str, Value> = values(kind).collect();
-        let given = parameter::values(desc).filter(|(parameter, value)| usual.get(parameter.key) != Some(value));
+        let usual = MaterialDesc::new("", kind.surface());
+        let given = parameter::values(desc).filter(|(parameter, value)| parameter.value(&usual) != Some(*value));
         let exact_numbers = |value: Value| value.numbers().iter().copied().map(Exact).collect();
         Self {
             kind,
             parameters: given.map(|(parameter, value)| (parameter.key.to_owned(), exact_numbers(value))).collect(),
             emission: exact(desc.emission),
             emits_both_sides: desc.emits_both_sides,
-            transmission_absorption: desc.transmission_absorption.map(exact),
+            transmission_absorption: desc.transmission_absorption.filter(|_| desc.transmission > 0.0).map(exact),
             priority: desc.priority,
-            dispersion: desc.dispersion.map(DispersionExtras::new),
+            dispersion: desc.dispersion.filter(|_| desc.is_solid()).map(DispersionExtras::new),
             phase: PhaseExtras::new(desc.phase),
             textures: TexturesExtras::new(&desc.textures),
         }
@@ -101,12 +101,6 @@ impl MaterialExtras {
             ..desc
         })
     }
-}
-
-/// The parameters of a new material of this kind.
-fn values(kind: Kind) -> impl Iterator<Item = (&'static str, Value)> {
-    let desc = MaterialDesc::new("", kind.surface());
-    parameter::values(&desc).map(|(parameter, value)| (parameter.key, value))
 }
 
 /// Extras of a primitive: indices of buffer views with values in double precision.
@@ -139,3 +133,41 @@ pub(crate) fn read<T: for<'de> Deserialize<'de>>(extras: Option<&str>) -> Result
 /// Report text for extras that no longer agree with the rest of the file.
 pub(crate) const CHANGED: &str =
     "was changed after it was exported; what glTF says is used, in single precision, and its extras are ignored";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::describe::Dispersion;
+
+    fn again(desc: &MaterialDesc) -> Option<MaterialDesc> {
+        let text = serde_json::to_string(&MaterialExtras::new(desc)).unwrap();
+        serde_json::from_str::<MaterialExtras>(&text).unwrap().desc(desc.name.clone(), desc.textures)
+    }
+
+    /// What belongs to a solid is not written of a material that is none.
+    #[test]
+    fn metal_has_no_dispersion() {
+        let glass = MaterialDesc::plastic("a", [0.5; 3], 0.25).with_transmission(0.5, Some([1.0; 3]));
+        let glass = glass.with_dispersion(Dispersion::Abbe(30.0)).with_priority(2);
+        assert_eq!(again(&glass), Some(glass.clone()));
+        let metal = MaterialDesc { transmission: 0.0, ..glass };
+        let found = again(&metal).unwrap();
+        assert_eq!((found.dispersion, found.transmission_absorption), (None, None));
+    }
+
+    #[test]
+    fn unknown_parameters_are_refused() {
+        let with = |parameters: &str| {
+            let text = format!(
+                r#"{{"kind": "glass", "parameters": {{{parameters}}}, "emission": ["0", "0", "0"], "emits_both_sides": false}}"#
+            );
+            serde_json::from_str::<MaterialExtras>(&text).unwrap().desc("a".into(), TexturesDesc::default())
+        };
+        assert!(with(r#""ior": ["1.25"]"#).is_some_and(|desc| desc.ior() == Some(1.25)));
+        for wrong in
+            [r#""iro": ["1.25"]"#, r#""ior": ["1", "2"]"#, r#""ior": ["1", "2", "3"]"#, r#""sheen": ["1", "1", "1"]"#]
+        {
+            assert_eq!(with(wrong), None, "{wrong}");
+        }
+    }
+}

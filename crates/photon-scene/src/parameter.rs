@@ -12,7 +12,7 @@ use crate::describe::{MaterialDesc, Surface};
 
 pub(crate) use self::table::PARAMETERS;
 #[cfg(feature = "files")]
-pub(crate) use self::texture::Encoding;
+pub(crate) use self::texture::{BASE_COLOR, EMISSION, Encoding, METALLIC_ROUGHNESS, NORMAL, SPECULAR, TRANSMISSION};
 pub(crate) use self::texture::{Channel, TEXTURES, TextureParameter};
 
 /// The kinds of [`Surface`], by their names in files.
@@ -95,7 +95,7 @@ impl Value {
     }
 }
 
-/// As the numbers themselves.
+/// Formats the numbers themselves.
 impl fmt::Debug for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -119,7 +119,7 @@ type Access = fn(&mut MaterialDesc) -> Option<Field<'_>>;
 pub(crate) enum Range {
     /// Each number from 0 to 1.
     Share,
-    /// Each number finite in single precision and at least 0.
+    /// Each number finite and at least 0.
     NotNegative,
     /// A finite number.
     Finite,
@@ -151,6 +151,7 @@ pub(crate) struct Parameter {
     pub(crate) layer: Option<Layer>,
     /// Field of the texture that multiplies it.
     texture: Option<&'static str>,
+    get: fn(&MaterialDesc) -> Option<Value>,
     access: Access,
 }
 
@@ -163,6 +164,7 @@ impl Parameter {
     /// The kinds of materials that have it, and the verb.
     pub(crate) fn kinds_with(&self) -> String {
         match self.kinds {
+            _ if self.key == "absorption" => "glass, boundary and glossy with a transmission have".to_owned(),
             [only] => format!("{} has", only.name()),
             [rest @ .., last] => {
                 let rest: Vec<&str> = rest.iter().map(|kind| kind.name()).collect();
@@ -177,12 +179,9 @@ impl Parameter {
         self.kinds.contains(&Kind::of(&desc.surface))
     }
 
-    /// The value, also of a layer that the surface does not have.
-    fn value_anywhere(&self, desc: &mut MaterialDesc) -> Option<Value> {
-        (self.access)(desc).map(|field| match field {
-            Field::Number(number) => Value::Number(*number),
-            Field::Color(color) => Value::Color(*color),
-        })
+    /// The value; `None` for surfaces that do not have it.
+    pub(crate) fn value(&self, desc: &MaterialDesc) -> Option<Value> {
+        (self.get)(desc).filter(|_| self.is_of(desc))
     }
 
     /// The value with an angle in degrees.
@@ -212,7 +211,7 @@ impl Parameter {
 
     /// Whether all numbers of the value are 0.
     pub(crate) fn is_zero(&self, desc: &MaterialDesc) -> bool {
-        self.value_anywhere(&mut desc.clone()).is_some_and(|value| value.numbers().iter().all(|&number| number == 0.0))
+        (self.get)(desc).is_some_and(|value| value.numbers().iter().all(|&number| number == 0.0))
     }
 
     /// Sets the value. Returns whether the surface has the parameter, of this number of numbers.
@@ -233,7 +232,7 @@ impl Parameter {
         self.texture.and_then(TextureParameter::find)
     }
 
-    /// Gives a layer, whether or not the surface has it, the value of one that is absent, and no texture.
+    /// Removes the texture, and gives the parameter of a layer its default, also on surfaces without that layer.
     pub(crate) fn remove(&self, desc: &mut MaterialDesc) {
         let Some(layer) = self.layer else { return };
         match ((self.access)(desc), layer.default) {
@@ -256,29 +255,18 @@ impl Parameter {
         let Some(layer) = self.layer else { return self.is_of(desc) };
         let Some(leader) = Self::find(layer.leader) else { return false };
         let default = leader.layer.map(|layer| layer.default);
-        self.is_of(desc) && leader.value_anywhere(&mut desc.clone()) != default
+        self.is_of(desc) && (leader.get)(desc) != default
     }
 }
 
 /// The parameters that the surface of a material has, with their values.
-pub(crate) fn values(desc: &MaterialDesc) -> impl Iterator<Item = (&'static Parameter, Value)> + use<> {
-    let mut desc = desc.clone();
-    let parameters = PARAMETERS.iter();
-    parameters.filter_map(move |parameter| {
-        Some((parameter, parameter.value_anywhere(&mut desc).filter(|_| parameter.is_of(&desc))?))
-    })
+pub(crate) fn values(desc: &MaterialDesc) -> impl Iterator<Item = (&'static Parameter, Value)> {
+    PARAMETERS.iter().filter_map(|parameter| Some((parameter, parameter.value(desc)?)))
 }
 
 /// The parameters of layers with their values, also of layers that the surface does not have.
-pub(crate) fn layers(desc: &MaterialDesc) -> impl Iterator<Item = (&'static Parameter, Layer, Value)> + use<> {
-    let mut desc = desc.clone();
-    let parameters = PARAMETERS.iter();
-    parameters.filter_map(move |parameter| Some((parameter, parameter.layer?, parameter.value_anywhere(&mut desc)?)))
-}
-
-/// Removes all layers and their textures.
-pub(crate) fn remove_layers(desc: &mut MaterialDesc) {
-    PARAMETERS.iter().for_each(|parameter| parameter.remove(desc));
+pub(crate) fn layers(desc: &MaterialDesc) -> impl Iterator<Item = (&'static Parameter, Layer, Value)> {
+    PARAMETERS.iter().filter_map(|parameter| Some((parameter, parameter.layer?, (parameter.get)(desc)?)))
 }
 
 #[cfg(test)]
@@ -320,7 +308,7 @@ mod tests {
                 );
             }
             let mut bare = desc.clone();
-            remove_layers(&mut bare);
+            PARAMETERS.iter().for_each(|parameter| parameter.remove(&mut bare));
             assert_eq!(bare, desc);
         }
     }

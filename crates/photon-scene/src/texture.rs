@@ -293,9 +293,6 @@ impl TexturesDesc {
 
     /// The textures with the names of their uses.
     pub(crate) fn all(&self) -> impl Iterator<Item = (&'static str, TextureRef)> {
-        let textures = *self;
-        let all = TEXTURES.iter().map(move |texture| (texture.field, texture.of(&textures)));
-        let all = all.chain([("alpha", self.alpha)]);
-        all.filter_map(|(name, used)| Some((name, used?)))
+        TEXTURES.iter().filter_map(|texture| Some((texture.field, texture.of(self)?)))
     }
 }

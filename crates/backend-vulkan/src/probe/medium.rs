@@ -64,7 +64,7 @@ fn slope_of_direction(i: &Input) -> f64 {
     const STEP: f32 = 1e-3;
     let (from, u) = (i.vector(4), i.float(7));
     let at = |u: f32| phase(i, 8).sample(from, [u, i.float(11)]);
-    let [low, high] = [(u - STEP).max(0.0), (u + STEP).min(1.0 - STEP)];
+    let [low, high] = [(u - STEP).max(0.0), (u + STEP).min(1.0_f32.next_down())];
     let cosine = f64::from(from.dot(at(high) - at(low)).abs() / (high - low));
     (1.0 + cosine) / f64::from(from.cross(at(u)).length()).max(1e-3)
 }

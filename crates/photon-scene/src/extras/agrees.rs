@@ -54,15 +54,21 @@ impl Agrees for MaterialDesc {
         if Kind::of(&surface) != Kind::of(&exact.surface) {
             return false;
         }
-        let found = Self { surface, ..self.clone() };
-        let mut pairs = parameter::values(&found).zip(parameter::values(exact));
-        let parameters = pairs.all(|((parameter, found), (_, exact))| match (found, exact) {
-            // It is written into the extras alone.
-            (Value::Color([0.0, 0.0, 0.0]), _) if parameter.key == "scattering" => true,
+        let is_close = |found: Value, exact: Value| match (found, exact) {
             (Value::Number(a), Value::Number(b)) => close(a, b),
             (Value::Color(a), Value::Color(b)) => all_close(a, b),
             _ => false,
-        });
+        };
+        let found = Self { surface, ..self.clone() };
+        let mut of_surface = parameter::values(&found).filter(|(parameter, _)| parameter.layer.is_none());
+        // Also of layers that the surface does not have: another program may have added them.
+        let mut of_layers = parameter::layers(self).zip(parameter::layers(exact));
+        let parameters = of_surface
+            .all(|(parameter, found)| parameter.value(exact).is_some_and(|exact| is_close(found, exact)))
+            && of_layers.all(|((parameter, _, found), (_, _, exact))| {
+                // It is written into the extras alone.
+                parameter.key == "scattering" && found == Value::Color([0.0; 3]) || is_close(found, exact)
+            });
         // Whether a non-emissive surface is double-sided does not matter.
         let sides = !self.is_emissive() || !exact.is_emissive() || self.emits_both_sides == exact.emits_both_sides;
         let inside = match (self.transmission_absorption, exact.transmission_absorption) {
@@ -109,5 +115,27 @@ impl Agrees for CameraDesc {
         let right = |camera: &Self| glam::DVec3::from(camera.direction).cross(glam::DVec3::from(camera.up)).to_array();
         let axes = parallel(self.direction, exact.direction) && parallel(right(self), right(exact));
         projection && axes && all_close(self.position, exact.position)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A layer that another program adds shows, also where the surface of the extras has no such layer.
+    #[test]
+    fn added_layers_are_noticed() {
+        let mirror = MaterialDesc::mirror("a", [0.5; 3]);
+        let written = MaterialDesc::metal("a", [0.5; 3], 0.0);
+        assert!(written.agrees(&mirror) && !written.with_anisotropy(0.5, 0.0).agrees(&mirror));
+        for exact in [MaterialDesc::glass("a", 1.5), MaterialDesc::thin("a", 1.5)] {
+            assert!(exact.agrees(&exact));
+            assert!(!exact.clone().with_clearcoat(1.0, 0.0).agrees(&exact));
+            assert!(!exact.clone().with_sheen([0.5; 3], 0.5).agrees(&exact));
+        }
+        let mist = MaterialDesc::boundary("a", [0.5; 3]).with_scattering([1.0; 3], 0.0);
+        let Surface::Boundary { absorption } = mist.surface else { unreachable!() };
+        let surface = Surface::Dielectric { ior: 1.0, absorption, tint: [1.0; 3], roughness: 0.0 };
+        assert!(MaterialDesc::new("a", surface).agrees(&mist));
     }
 }

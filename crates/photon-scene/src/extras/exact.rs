@@ -9,12 +9,6 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Exact(pub(crate) f64);
 
-impl Default for Exact {
-    fn default() -> Self {
-        Self(0.0)
-    }
-}
-
 impl Serialize for Exact {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         // The shortest text that parses to the same number.

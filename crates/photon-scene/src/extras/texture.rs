@@ -29,6 +29,7 @@ impl TexturesExtras {
         let textures = TexturesDesc { base_color: textures.base_color.or(textures.alpha), ..*textures };
         let transforms: BTreeMap<String, Transform> = TEXTURES
             .iter()
+            .filter(|texture| !texture.gltf.is_empty())
             .filter_map(|texture| {
                 let transform = texture.of(&textures)?.transform;
                 let exact = transform.map(|row| row.map(Exact));

@@ -14,7 +14,7 @@ use super::schema::{File, Material};
 use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, Dispersion, MaterialDesc, PhaseDesc, PhaseKeys, Surface};
 use crate::error::SceneError;
-use crate::parameter::{self, Kind, PARAMETERS, Parameter, Value};
+use crate::parameter::{Kind, Layer, PARAMETERS, Parameter, Value};
 use crate::report::LoadReport;
 use crate::similar;
 use crate::texture::TexturesDesc;
@@ -186,6 +186,7 @@ impl Overrides {
     }
 
     fn change(&self, desc: &mut MaterialDesc, with: &Material, budget: &Budget) -> Result<(), SceneError> {
+        let dispersion = self.dispersion(&desc.name, with)?;
         let before = Kind::of(&desc.surface);
         let kind = with.kind.unwrap_or(before);
         if kind != before {
@@ -240,7 +241,7 @@ impl Overrides {
         if with.ior.is_some() && !matches!(desc.dispersion, Some(Dispersion::Abbe(_))) {
             desc.dispersion = None;
         }
-        if let Some(dispersion) = self.dispersion(&desc.name, with)? {
+        if let Some(dispersion) = dispersion {
             if desc.is_solid() {
                 *desc = desc.clone().with_dispersion(dispersion);
             } else {
@@ -272,7 +273,8 @@ impl Overrides {
     }
 }
 
-/// Gives a material a surface of another kind. The colours that belong to it stay, layers and media do not.
+/// Gives a material a surface of another kind. Emission, the colour of a base and its diffuse transmission stay, other layers and
+/// media do not.
 fn become_kind(desc: &mut MaterialDesc, kind: Kind, before: Kind) {
     // A texture keeps its factor, and a sheet or solid that had one too; diffuse and glossy surfaces their colour.
     let has_base = |kind: Kind| matches!(kind, Kind::Lambert | Kind::Glossy);
@@ -282,9 +284,13 @@ fn become_kind(desc: &mut MaterialDesc, kind: Kind, before: Kind) {
     if let (Some(color), Some(albedo)) = (color, Parameter::find("albedo")) {
         albedo.set(desc, Value::Color(color));
     }
-    parameter::remove_layers(desc);
-    let TexturesDesc { base_color, emission, normal, normal_scale, alpha, .. } = desc.textures;
-    desc.textures = TexturesDesc { base_color, emission, normal, normal_scale, alpha, ..TexturesDesc::default() };
+    let has_leaf = has_base(kind);
+    let is_kept = |layer: &Layer| layer.leader == "diffuse_transmission" && has_leaf;
+    for parameter in PARAMETERS.iter().filter(|parameter| !parameter.layer.as_ref().is_some_and(is_kept)) {
+        parameter.remove(desc);
+    }
+    let textures = &mut desc.textures;
+    (textures.metallic_roughness, textures.specular, textures.clearcoat_normal) = (None, None, None);
     (desc.transmission_absorption, desc.dispersion) = (None, None);
     (desc.phase, desc.grid) = (PhaseDesc::default(), None);
     if kind == Kind::Boundary {

@@ -29,9 +29,9 @@ macro_rules! material_keys {
             /// Adds a material to the scene instead of changing an existing one.
             #[serde(default)]
             pub(super) new: bool,
-            $(pub(super) $special: Option<$type>,)*
             $(pub(super) $color: Option<Colour>,)*
             $(pub(super) $number: Option<f64>,)*
+            $(pub(super) $special: Option<$type>,)*
         }
 
         impl Material {
@@ -217,6 +217,7 @@ fn unscaled() -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::describe::MaterialDesc;
     use crate::parameter::PARAMETERS;
 
     #[test]
@@ -224,7 +225,11 @@ mod tests {
         for parameter in PARAMETERS {
             let text = format!("[materials.a]\n{} = 0.5", parameter.key);
             let file: File = toml::from_str(&text).unwrap();
-            assert!(file.materials["a"].value(parameter.key).is_some(), "{text}");
+            let value = file.materials["a"].value(parameter.key);
+            for kind in parameter.kinds {
+                let mut desc = MaterialDesc::new("a", kind.surface());
+                assert!(value.is_some_and(|value| parameter.set(&mut desc, value)), "{text}");
+            }
         }
     }
 }

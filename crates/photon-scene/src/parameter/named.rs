@@ -6,11 +6,13 @@ use crate::error::SceneError;
 use crate::similar;
 
 impl MaterialDesc {
-    /// A material of a kind with parameters, by their names in override files (`docs/scene-files.md`): those of one number or
-    /// a colour, of which one number is grey. Angles are in degrees. Ranges are checked by [`crate::SceneBuilder::build`].
+    /// A material of a kind with parameters of the surface and its layers, by their names in override files
+    /// (`docs/scene-files.md`): numbers and colours, of which one number is grey. Angles are in degrees. Emission, alpha,
+    /// phase function, dispersion, priority and grid are fields. Ranges are checked by [`crate::SceneBuilder::build`].
     ///
     /// # Errors
     /// [`SceneError::Parameter`] for an unknown kind, a parameter that the kind does not have, and another number of numbers.
+    /// A glossy material has an absorption only with a transmission.
     pub fn with_parameters<'a>(
         name: impl Into<String>,
         kind: &str,
@@ -51,6 +53,12 @@ impl MaterialDesc {
                 desc.transmission_absorption = Some(absorption);
             }
         }
+        if desc.transmission_absorption.is_some() && desc.transmission == 0.0 {
+            return Err(fault(
+                "it is glossy without transmission and has no absorption".to_owned(),
+                "leave it out".to_owned(),
+            ));
+        }
         Ok(desc)
     }
 }
@@ -62,11 +70,12 @@ mod tests {
 
     #[test]
     fn parameters_have_the_names_of_files() {
-        let given: [(&str, &[f64]); 4] = [
+        let given: [(&str, &[f64]); 5] = [
             ("albedo", &[0.25]),
             ("sheen", &[0.5, 0.25, 1.0]),
             ("anisotropy_degrees", &[180.0]),
             ("absorption", &[2.0]),
+            ("transmission", &[0.5]),
         ];
         let desc = MaterialDesc::with_parameters("cloth", "glossy", given).unwrap();
         assert!(matches!(desc.surface, Surface::Glossy { base_color: [0.25, 0.25, 0.25], .. }));
@@ -77,11 +86,12 @@ mod tests {
     /// The name of the material, what is wrong, and the remedy.
     #[test]
     fn other_names_are_refused() {
-        let refused: [(&str, &str, &[f64], &str); 5] = [
+        let refused: [(&str, &str, &[f64], &str); 6] = [
             ("glas", "ior", &[1.5], "there is no kind 'glas'; did you mean 'glass'?"),
             ("glass", "iro", &[1.5], "there is no parameter 'iro'; did you mean 'ior'?"),
             ("glass", "sheen", &[1.0], "glass has no sheen; lambert, mirror and glossy have it; leave it out"),
             ("glass", "ior", &[1.5; 3], "ior is [1.5, 1.5, 1.5]; it must be a number"),
+            ("glossy", "absorption", &[1.0], "glossy without transmission and has no absorption; leave it out"),
             ("lambert", "albedo", &[], "albedo is []; it must be a number, or three of a colour"),
         ];
         for (kind, key, numbers, expected) in refused {

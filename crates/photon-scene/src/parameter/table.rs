@@ -17,7 +17,7 @@ const LEAF: &str = "KHR_materials_diffuse_transmission";
 const TRANSMISSION: &str = "KHR_materials_transmission";
 const SHEEN: &str = "KHR_materials_sheen";
 
-/// Of a surface: the key, the kinds, the variants of [`Surface`] with their members, and the texture.
+/// A parameter of a surface: the key, the kinds, the variants of [`Surface`] with their members, and the texture.
 macro_rules! of_surface {
     ($key:literal, $kinds:ident, $value:ident: $($surface:ident $member:ident)+ $(, $texture:ident)?) => {
         Parameter {
@@ -26,6 +26,10 @@ macro_rules! of_surface {
             is_angle: false,
             layer: None,
             texture: texture!($($texture)?),
+            get: |desc| match &desc.surface {
+                $(Surface::$surface { $member, .. } => Some(Value::$value(*$member)),)+
+                _ => None,
+            },
             access: |desc| match &mut desc.surface {
                 $(Surface::$surface { $member, .. } => Some(Field::$value($member)),)+
                 _ => None,
@@ -34,7 +38,7 @@ macro_rules! of_surface {
     };
 }
 
-/// Of a layer: the key, the field of the description with its default, the kinds, the range, the key of the leading parameter,
+/// A parameter of a layer: the key, the field of the description with its default, the kinds, the range, the key of the leading parameter,
 /// the factor in glTF, and the texture.
 macro_rules! of_layer {
     ($key:literal, $field:ident: $value:ident = $default:expr, $kinds:ident, $range:ident, $leader:literal
@@ -51,6 +55,7 @@ macro_rules! of_layer {
                 gltf: pair!($($extension $factor)?),
             }),
             texture: texture!($($texture)?),
+            get: |desc| Some(Value::$value(desc.$field)),
             access: |desc| Some(Field::$value(&mut desc.$field)),
         }
     };

@@ -9,7 +9,9 @@ pub(crate) enum Channel {
     Red,
     Green,
     Alpha,
-    /// Several, which mean different things: no factor stands for a texture of one colour.
+    /// Green and blue, each for a factor of its own.
+    Pair,
+    /// A direction: no factor stands for a texture of one colour.
     Vector,
 }
 
@@ -31,19 +33,26 @@ pub(crate) struct TextureParameter {
     pub(crate) label: &'static str,
     pub(crate) channel: Channel,
     pub(crate) encoding: Encoding,
-    /// Names of the objects that lead to it in a material of glTF.
+    /// Names of the objects that lead to it in a material of glTF; none for alpha, which is that of the base colour.
     pub(crate) gltf: &'static [&'static str],
+    get: fn(&TexturesDesc) -> Option<TextureRef>,
     access: fn(&mut TexturesDesc) -> &mut Option<TextureRef>,
 }
 
 impl TextureParameter {
     /// The texture of a material.
     pub(crate) fn of(&self, textures: &TexturesDesc) -> Option<TextureRef> {
-        *(self.access)(&mut textures.clone())
+        (self.get)(textures)
     }
 
     pub(crate) fn of_mut<'a>(&self, textures: &'a mut TexturesDesc) -> &'a mut Option<TextureRef> {
         (self.access)(textures)
+    }
+
+    /// The same with another name in messages.
+    #[cfg(feature = "files")]
+    pub(crate) const fn labelled(self, label: &'static str) -> Self {
+        Self { label, ..self }
     }
 
     /// The texture with this field.
@@ -52,41 +61,122 @@ impl TextureParameter {
     }
 }
 
-/// A line of the table: the field, the name in messages, channels, encoding, and names in glTF.
+/// The field, the name in messages, channels, encoding, and names in glTF.
 macro_rules! texture {
-    ($field:ident, $label:literal, $channel:ident, $encoding:ident, $($name:literal)+) => {
+    ($field:ident, $label:literal, $channel:ident, $encoding:ident $(, $name:literal)*) => {
         TextureParameter {
             field: stringify!($field),
             label: $label,
             channel: Channel::$channel,
             encoding: Encoding::$encoding,
-            gltf: &[$($name),+],
+            gltf: &[$($name),*],
+            get: |textures| textures.$field,
             access: |textures| &mut textures.$field,
         }
     };
 }
 
-/// All but that of alpha, which is the base colour in glTF.
+pub(crate) const BASE_COLOR: TextureParameter =
+    texture!(base_color, "base colour", Color, Srgb, "pbrMetallicRoughness", "baseColorTexture");
+pub(crate) const EMISSION: TextureParameter = texture!(emission, "emission", Color, Srgb, "emissiveTexture");
+pub(crate) const NORMAL: TextureParameter = texture!(normal, "normal map", Vector, Linear, "normalTexture");
+pub(crate) const METALLIC_ROUGHNESS: TextureParameter = texture!(
+    metallic_roughness,
+    "metal and roughness",
+    Pair,
+    Linear,
+    "pbrMetallicRoughness",
+    "metallicRoughnessTexture"
+);
+pub(crate) const SPECULAR: TextureParameter =
+    texture!(specular, "specular", Alpha, Alpha, "extensions", "KHR_materials_specular", "specularTexture");
+pub(crate) const TRANSMISSION: TextureParameter = texture!(
+    transmission,
+    "transmission",
+    Red,
+    Linear,
+    "extensions",
+    "KHR_materials_transmission",
+    "transmissionTexture"
+);
+
+/// All of them.
 #[rustfmt::skip]
 pub(crate) const TEXTURES: &[TextureParameter] = &[
-    texture!(base_color, "base colour", Color, Srgb, "pbrMetallicRoughness" "baseColorTexture"),
-    texture!(emission, "emission", Color, Srgb, "emissiveTexture"),
-    texture!(normal, "normal map", Vector, Linear, "normalTexture"),
-    texture!(metallic_roughness, "metal and roughness", Vector, Linear, "pbrMetallicRoughness" "metallicRoughnessTexture"),
-    texture!(specular, "specular", Alpha, Alpha, "extensions" "KHR_materials_specular" "specularTexture"),
-    texture!(specular_color, "specular colour", Color, Srgb, "extensions" "KHR_materials_specular" "specularColorTexture"),
-    texture!(clearcoat, "clearcoat", Red, Linear, "extensions" "KHR_materials_clearcoat" "clearcoatTexture"),
+    BASE_COLOR,
+    EMISSION,
+    NORMAL,
+    METALLIC_ROUGHNESS,
+    texture!(alpha, "alpha", Alpha, Alpha),
+    SPECULAR,
+    texture!(specular_color, "specular colour", Color, Srgb, "extensions", "KHR_materials_specular", "specularColorTexture"),
+    texture!(clearcoat, "clearcoat", Red, Linear, "extensions", "KHR_materials_clearcoat", "clearcoatTexture"),
     texture!(clearcoat_roughness, "clearcoat roughness", Green, Linear,
-        "extensions" "KHR_materials_clearcoat" "clearcoatRoughnessTexture"),
+        "extensions", "KHR_materials_clearcoat", "clearcoatRoughnessTexture"),
     texture!(clearcoat_normal, "normal map", Vector, Linear,
-        "extensions" "KHR_materials_clearcoat" "clearcoatNormalTexture"),
-    texture!(anisotropy, "anisotropy", Vector, Linear, "extensions" "KHR_materials_anisotropy" "anisotropyTexture"),
+        "extensions", "KHR_materials_clearcoat", "clearcoatNormalTexture"),
+    texture!(anisotropy, "anisotropy", Vector, Linear, "extensions", "KHR_materials_anisotropy", "anisotropyTexture"),
     texture!(diffuse_transmission, "diffuse transmission", Alpha, Alpha,
-        "extensions" "KHR_materials_diffuse_transmission" "diffuseTransmissionTexture"),
+        "extensions", "KHR_materials_diffuse_transmission", "diffuseTransmissionTexture"),
     texture!(diffuse_transmission_color, "diffuse transmission colour", Color, Srgb,
-        "extensions" "KHR_materials_diffuse_transmission" "diffuseTransmissionColorTexture"),
-    texture!(transmission, "transmission", Red, Linear, "extensions" "KHR_materials_transmission" "transmissionTexture"),
-    texture!(sheen_color, "sheen colour", Color, Srgb, "extensions" "KHR_materials_sheen" "sheenColorTexture"),
+        "extensions", "KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture"),
+    TRANSMISSION,
+    texture!(sheen_color, "sheen colour", Color, Srgb, "extensions", "KHR_materials_sheen", "sheenColorTexture"),
     texture!(sheen_roughness, "sheen roughness", Alpha, Alpha,
-        "extensions" "KHR_materials_sheen" "sheenRoughnessTexture"),
+        "extensions", "KHR_materials_sheen", "sheenRoughnessTexture"),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field without a line would be neither checked nor written.
+    #[test]
+    fn every_field_has_a_line() {
+        let TexturesDesc {
+            base_color,
+            emission,
+            normal,
+            normal_scale: _,
+            metallic_roughness,
+            alpha,
+            specular,
+            specular_color,
+            clearcoat,
+            clearcoat_roughness,
+            clearcoat_normal,
+            clearcoat_normal_scale: _,
+            anisotropy,
+            diffuse_transmission,
+            diffuse_transmission_color,
+            transmission,
+            sheen_color,
+            sheen_roughness,
+        } = TexturesDesc::default();
+        let fields = [
+            base_color,
+            emission,
+            normal,
+            metallic_roughness,
+            alpha,
+            specular,
+            specular_color,
+            clearcoat,
+            clearcoat_roughness,
+            clearcoat_normal,
+            anisotropy,
+            diffuse_transmission,
+            diffuse_transmission_color,
+            transmission,
+            sheen_color,
+            sheen_roughness,
+        ];
+        assert_eq!(fields.len(), TEXTURES.len());
+        let mut all = TexturesDesc::default();
+        for texture in TEXTURES {
+            assert_eq!(texture.of(&all), None, "{}", texture.field);
+            *texture.of_mut(&mut all) = Some(crate::texture::TextureRef::new(crate::texture::TextureId(0)));
+            assert!(texture.of(&all).is_some(), "{}", texture.field);
+        }
+    }
+}

@@ -38,7 +38,7 @@ impl File {
         // The alpha of a material is that of its base colour.
         let alpha = desc.textures.alpha.filter(|_| desc.alpha_mode != AlphaMode::Opaque);
         let textures = TexturesDesc { base_color: desc.textures.base_color.or(alpha), ..desc.textures };
-        for parameter in TEXTURES {
+        for parameter in TEXTURES.iter().filter(|texture| !texture.gltf.is_empty()) {
             let Some(used) = parameter.of(&textures) else { continue };
             let texture = self.texture(used.texture, parameter, &all[used.texture.0 as usize])?;
             let mut info = json!({ "index": texture, "texCoord": used.uv_set });

@@ -86,8 +86,8 @@ pub(crate) fn is_smooth_metal(desc: &MaterialDesc) -> bool {
     metallic >= 1.0 && roughness * roughness < f64::from(ggx::MIN_ALPHA) && is_bare && !is_varied
 }
 
-/// The same for textures of layers; removes layers that the surface does not have. The specular colour follows rules of its
-/// own, as do directions.
+/// Multiplies the factors of layers by their textures of one colour, and removes layers that the surface does not have. The
+/// specular colour follows rules of its own, as do directions.
 fn fold_layers(
     material: &mut MaterialDesc,
     color_of: impl Fn(TextureRef) -> Option<[f64; 3]>,

@@ -15,7 +15,10 @@ use super::specular_glossiness::{self, Converted, SpecularGlossiness};
 use super::texture::Textures;
 use crate::builder::SceneBuilder;
 use crate::describe::{AlphaMode, MaterialDesc};
-use crate::parameter::{Channel, Encoding, Kind, Layer, PARAMETERS, TextureParameter, Value};
+use crate::parameter::{
+    BASE_COLOR, Channel, EMISSION, Encoding, Kind, Layer, METALLIC_ROUGHNESS, NORMAL, PARAMETERS, SPECULAR,
+    TRANSMISSION, TextureParameter, Value,
+};
 use crate::report::LoadReport;
 use crate::texture::{TextureRef, TexturesDesc};
 
@@ -95,9 +98,9 @@ pub(super) fn read(
         (factor, base_texture) = (old.diffuse, old.diffuse_texture);
         (metallic, roughness) = (0.0, 1.0);
     }
-    let base = means.image(base_texture, BASE)?;
+    let base = means.image(base_texture, &BASE_COLOR)?;
     let texture = pbr.metallic_roughness_texture.as_ref().map(Slot::of).filter(|_| old.is_none());
-    let gloss = means.image(texture, METALLIC_ROUGHNESS)?;
+    let gloss = means.image(texture, &METALLIC_ROUGHNESS)?;
     let (mean_metallic, mean_roughness) =
         gloss.map_or((metallic, roughness), |gloss| (metallic * gloss.mean.plain[2], roughness * gloss.mean.plain[1]));
     let metallic_roughness = gloss.and_then(|gloss| gloss.used);
@@ -110,7 +113,7 @@ pub(super) fn read(
         Some(transmission) => {
             let factor = f64::from(transmission.transmission_factor.0);
             let texture = transmission.transmission_texture.as_ref().map(Slot::of).filter(|_| factor > 0.0);
-            glass = means.image(texture, TRANSMISSION)?;
+            glass = means.image(texture, &TRANSMISSION)?;
             factor * glass.filter(|glass| glass.used.is_none()).map_or(1.0, |glass| glass.mean.plain[0])
         }
     };
@@ -118,9 +121,9 @@ pub(super) fn read(
     let emissive = material.emissive_factor.0.map(|factor| f64::from(factor) * strength);
     let is_dark = emissive == [0.0; 3];
     let texture = material.emissive_texture.as_ref().map(Slot::of).filter(|_| !is_dark);
-    let glow = means.image(texture, EMISSION)?;
+    let glow = means.image(texture, &EMISSION)?;
     let normal_map = material.normal_texture.as_ref();
-    let bumps = means.image(normal_map.map(Slot::of_normal), NORMAL_MAP)?;
+    let bumps = means.image(normal_map.map(Slot::of_normal), &NORMAL)?;
     let normal = bumps.and_then(|bumps| bumps.used);
     if normal.is_some() && normal_map.is_some_and(|info| Slot::of_normal(info).is_turned) {
         means.report.note(subject, "its normal map is turned; tangents of the file are taken to be turned with it");
@@ -149,7 +152,7 @@ pub(super) fn read(
         if let (Some(survey), Some(slot)) = (&textures.survey, old.texture) {
             survey.record_made(textures.image_of(slot.texture, &part)?.ok());
         }
-        let texture = means.image(old.texture, SPECULAR_GLOSSINESS)?;
+        let texture = means.image(old.texture, &SPECULAR_GLOSSINESS)?;
         let varied = texture.and_then(|texture| texture.used);
         let mean = texture.filter(|_| varied.is_none()).map(|texture| texture.mean);
         let is_black = color == [0.0; 3];
@@ -171,7 +174,7 @@ pub(super) fn read(
     let volume = extensions.volume.as_ref();
     let specular = extensions.others.get("KHR_materials_specular");
     let slot = |name: &str| specular.and_then(|specular| Slot::of_json(specular.get(name)?));
-    let coat = means.image(slot("specularTexture"), SPECULAR)?;
+    let coat = means.image(slot("specularTexture"), &SPECULAR)?;
     let scale = specular.and_then(|s| numbers(s, "specularFactor")).map_or(1.0, |[scale]| scale);
     let scale = scale * coat.filter(|coat| coat.used.is_none()).map_or(1.0, |coat| coat.mean.alpha);
     let (mut layers, layer_textures) = read_layers(extensions, &mut means)?;
@@ -180,7 +183,7 @@ pub(super) fn read(
     }
     let clear = extensions.others.get("KHR_materials_clearcoat").filter(|_| layers.clearcoat > 0.0);
     let coat_map = clear.and_then(|clear| Slot::of_json(clear.get("clearcoatNormalTexture")?));
-    let coat_normal = means.image(coat_map, NORMAL_MAP)?.and_then(|map| map.used);
+    let coat_normal = means.image(coat_map, &NORMAL)?.and_then(|map| map.used);
     let coat_scale = clear.and_then(|clear| numbers(clear.get("clearcoatNormalTexture")?, "scale"));
     let turned = |slot: Option<Slot>| slot.is_some_and(|slot| slot.is_turned);
     if turned(coat_map) {
@@ -254,7 +257,7 @@ fn read_layers(
         let is_multiplied = !parameter.is_angle && value.numbers().iter().any(|&number| number != 0.0);
         if let Some(texture) = parameter.texture().filter(|_| is_multiplied) {
             let slot = texture.gltf.last().and_then(|name| Slot::of_json(extension.get(name)?));
-            let found = means.image(slot, Role::of(texture))?;
+            let found = means.image(slot, texture)?;
             *texture.of_mut(&mut textures) = found.and_then(|found| found.used);
             if let Some(found) = found.filter(|found| found.used.is_none()) {
                 value = found.factor(value, texture.channel);
@@ -291,7 +294,7 @@ impl Used {
             Channel::Red => self.mean.plain[0],
             Channel::Green => self.mean.plain[1],
             Channel::Alpha => self.mean.alpha,
-            Channel::Color | Channel::Vector => 1.0,
+            Channel::Color | Channel::Pair | Channel::Vector => 1.0,
         };
         match value {
             Value::Number(number) => Value::Number(number * mean),
@@ -300,31 +303,8 @@ impl Used {
     }
 }
 
-/// What a texture of a material is for.
-#[derive(Clone, Copy, Debug)]
-struct Role {
-    name: &'static str,
-    /// Encoding of bytes.
-    bytes: TexelFormat,
-    /// Whether a texture of one colour is the same as a factor.
-    is_factor: bool,
-}
-
-impl Role {
-    fn of(texture: &TextureParameter) -> Self {
-        let bytes = if texture.encoding == Encoding::Linear { TexelFormat::Linear8 } else { TexelFormat::Srgb8 };
-        Self { name: texture.label, bytes, is_factor: texture.channel != Channel::Vector }
-    }
-}
-
-const BASE: Role = Role { name: "base colour", bytes: TexelFormat::Srgb8, is_factor: true };
-const METALLIC_ROUGHNESS: Role = Role { name: "metal and roughness", bytes: TexelFormat::Linear8, is_factor: true };
-const EMISSION: Role = Role { name: "emission", bytes: TexelFormat::Srgb8, is_factor: true };
-const SPECULAR: Role = Role { name: "specular", bytes: TexelFormat::Srgb8, is_factor: true };
-const SPECULAR_GLOSSINESS: Role =
-    Role { name: "specular colour and glossiness", bytes: TexelFormat::Srgb8, is_factor: true };
-const TRANSMISSION: Role = Role { name: "transmission", bytes: TexelFormat::Linear8, is_factor: true };
-const NORMAL_MAP: Role = Role { name: "normal map", bytes: TexelFormat::Linear8, is_factor: false };
+/// The old extension of specular colour and glossiness, in one image.
+const SPECULAR_GLOSSINESS: TextureParameter = SPECULAR.labelled("specular colour and glossiness");
 
 /// The textures of one material.
 struct Images<'a, 'b> {
@@ -337,28 +317,29 @@ struct Images<'a, 'b> {
 
 impl Images<'_, '_> {
     /// Adds a texture to the scene, if there is one and it can be read.
-    fn image(&mut self, slot: Option<Slot>, role: Role) -> Result<Option<Used>, Fault> {
+    fn image(&mut self, slot: Option<Slot>, role: &TextureParameter) -> Result<Option<Used>, Fault> {
         let Some(slot) = slot else { return Ok(None) };
         if slot.uv_set >= MAX_UV_SETS {
             let why = format!("its UV set is TEXCOORD_{}, and at most {MAX_UV_SETS} are read", slot.uv_set);
-            return Ok(self.lose(slot.texture, role.name, &why));
+            return Ok(self.lose(slot.texture, role.label, &why));
         }
-        let mean = match self.textures.mean_and_image(slot.texture, role.bytes, self.part)? {
+        let bytes = if role.encoding == Encoding::Linear { TexelFormat::Linear8 } else { TexelFormat::Srgb8 };
+        let mean = match self.textures.mean_and_image(slot.texture, bytes, self.part)? {
             Ok(mean) => mean,
-            Err(why) => return Ok(self.lose(slot.texture, role.name, &why)),
+            Err(why) => return Ok(self.lose(slot.texture, role.label, &why)),
         };
-        if mean.is_uniform && role.is_factor {
+        if mean.is_uniform && role.channel != Channel::Vector {
             return Ok(Some(Used { mean, used: None }));
         }
-        match self.textures.add(slot.texture, role.bytes, self.part, self.builder)? {
+        match self.textures.add(slot.texture, bytes, self.part, self.builder)? {
             Ok(texture) => {
                 for loss in self.textures.losses(slot.texture) {
                     let name = self.textures.name(slot.texture);
-                    self.report.note(self.subject, format!("{name} ({}): {loss}", role.name));
+                    self.report.note(self.subject, format!("{name} ({}): {loss}", role.label));
                 }
                 Ok(Some(Used { mean, used: Some(slot.used(texture)) }))
             }
-            Err(why) => Ok(self.lose(slot.texture, role.name, &why)),
+            Err(why) => Ok(self.lose(slot.texture, role.label, &why)),
         }
     }
 

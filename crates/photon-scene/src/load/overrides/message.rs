@@ -131,7 +131,7 @@ fn key_of(line: &str) -> &str {
 pub(super) fn kinds_with(property: &str) -> String {
     let special = match property {
         "cauchy" | "abbe" | "sellmeier" => "glass and glossy with a transmission have",
-        "absorption" | "priority" => "glass, boundary and glossy with a transmission have",
+        "priority" => "glass, boundary and glossy with a transmission have",
         "anisotropy" => "glass, boundary and glossy have",
         "emission" | "emits_both_sides" => "all but boundary have",
         _ => "",

@@ -273,8 +273,8 @@ impl Overrides {
     }
 }
 
-/// Gives a material a surface of another kind. Emission, the colour of a base and its diffuse transmission stay, other layers and
-/// media do not.
+/// Gives a material a surface of another kind. Emission, the colour of a base and its diffuse transmission stay; other layers
+/// and media do not.
 fn become_kind(desc: &mut MaterialDesc, kind: Kind, before: Kind) {
     // A texture keeps its factor, and a sheet or solid that had one too; diffuse and glossy surfaces their colour.
     let has_base = |kind: Kind| matches!(kind, Kind::Lambert | Kind::Glossy);
@@ -290,7 +290,8 @@ fn become_kind(desc: &mut MaterialDesc, kind: Kind, before: Kind) {
         parameter.remove(desc);
     }
     let textures = &mut desc.textures;
-    (textures.metallic_roughness, textures.specular, textures.clearcoat_normal) = (None, None, None);
+    (textures.metallic_roughness, textures.specular) = (None, None);
+    (textures.clearcoat_normal, textures.clearcoat_normal_scale) = (None, 1.0);
     (desc.transmission_absorption, desc.dispersion) = (None, None);
     (desc.phase, desc.grid) = (PhaseDesc::default(), None);
     if kind == Kind::Boundary {

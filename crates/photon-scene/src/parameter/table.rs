@@ -38,8 +38,8 @@ macro_rules! of_surface {
     };
 }
 
-/// A parameter of a layer: the key, the field of the description with its default, the kinds, the range, the key of the leading parameter,
-/// the factor in glTF, and the texture.
+/// A parameter of a layer: the key, the field of the description with its default, the kinds, the range, the key of the
+/// leading parameter, the factor in glTF, and the texture.
 macro_rules! of_layer {
     ($key:literal, $field:ident: $value:ident = $default:expr, $kinds:ident, $range:ident, $leader:literal
         $(, $extension:ident $factor:literal)? $(; $texture:ident)?) => {

@@ -49,7 +49,7 @@ impl TextureParameter {
         (self.access)(textures)
     }
 
-    /// The same with another name in messages.
+    /// This texture with another name in messages.
     #[cfg(feature = "files")]
     pub(crate) const fn labelled(self, label: &'static str) -> Self {
         Self { label, ..self }

@@ -77,12 +77,8 @@ void add(uint place, inout vec3 sum) {
     if (floatBitsToUint(d2) >= limit || foot < range.x || foot > range.y) return;
     if (staged[place].w != index_of_medium || !segment_contains(segment, gap)) return;
     float scattered = phase_value(phase, directions[place], segment.direction);
-    float column = 0.0;
-    if (sees_grid) {
-        column = columns_to(columns, max(foot, 0.0));
-    } else {
-        column = max(segment_way(segment, gap, foot, -inner_range.x), 0.0);
-    }
+    float column = max(foot, 0.0);
+    if (sees_grid) column = columns_to(columns, column);
     vec3 power = powers[place] * scattered * exp_neg3(extinction * column);
     if (ERROR_MOMENTS != 0) {
         bool is_inner = foot >= inner_range.x && foot <= inner_range.y;

@@ -26,14 +26,6 @@ vec3 segment_beyond(vec3 from_origin, vec3 direction, float far) {
     return beyond;
 }
 
-// Distance of a point from the plane at the start, against the direction.
-float segment_way(Segment segment, vec3 from_origin, float foot, float most) {
-    precise float way = dot3(from_origin, segment.start) / max(dot3(segment.direction, segment.start), 1e-3);
-    precise float least = foot - most;
-    precise float greatest = foot + most;
-    return max(min(way, greatest), least);
-}
-
 // Whether a point lies between the planes of both ends.
 bool segment_contains(Segment segment, vec3 from_origin) {
     return dot3(from_origin, segment.start) >= 0.0

@@ -86,19 +86,18 @@ impl Photons<'_> {
         let segment = Segment::of(query);
         let (medium, _) = scene.medium(segment.media);
         match scene.columns(&segment, medium) {
-            None => self.sum::<MOMENTS>(scene, query, params, |_, way| way.max(0.0)),
-            // Densities are those beside the point, wherever the boundary is.
-            Some(columns) => self.sum::<MOMENTS>(scene, query, params, |foot, _| columns.to(foot)),
+            None => self.sum::<MOMENTS>(scene, query, params, |distance| distance.max(0.0)),
+            Some(columns) => self.sum::<MOMENTS>(scene, query, params, |distance| columns.to(distance)),
         }
     }
 
-    /// The same, by the column to a point: of the distance of its foot on the segment, and of [`Segment::way`].
+    /// The same, by the column to each distance along the segment.
     fn sum<const MOMENTS: bool>(
         &self,
         scene: &CpuScene,
         query: &Query,
         params: &BeamParams,
-        column: impl Fn(f32, f32) -> f32,
+        column: impl Fn(f32) -> f32,
     ) -> (Estimate, ErrorMoments) {
         let Self { map, powers } = *self;
         let segment = Segment::of(query);
@@ -118,7 +117,7 @@ impl Photons<'_> {
             if !map.has_medium(slot, index) || !segment.contains(from_origin) {
                 return;
             }
-            let transmittance = flight::transmittance(medium, column(t, segment.way(from_origin, t, 8.0 * radius)));
+            let transmittance = flight::transmittance(medium, column(t));
             let power = powers[slot as usize] * phase.value(map.direction(slot), direction) * transmittance;
             let u = d2 / squared;
             if !MOMENTS || (d2 <= squared && (-8.0 * radius..=length + 8.0 * radius).contains(&t)) {

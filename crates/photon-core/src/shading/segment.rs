@@ -58,17 +58,6 @@ impl Segment {
         }
     }
 
-    /// Distance of a point from the plane at the start, against the direction: the way of light through the medium if the
-    /// surface there is flat. `foot` is that of the point's foot on the segment; both differ beside a segment that starts
-    /// obliquely, here by at most `most`, since surfaces are flat only nearby.
-    #[inline]
-    #[must_use]
-    pub fn way(&self, from_origin: Vec3, foot: f32, most: f32) -> f32 {
-        let [start, _] = self.planes;
-        let way = from_origin.dot(start) / self.direction.dot(start).max(1e-3);
-        way.min(foot + most).max(foot - most)
-    }
-
     /// Whether a point lies between the planes of both ends.
     #[inline]
     #[must_use]
@@ -98,25 +87,5 @@ mod tests {
         // The oblique end cuts off what is behind it on one side, and adds as much on the other.
         let at = |x: f32, z: f32| segment.contains(Vec3::new(x, 0.0, z));
         assert!(at(0.0, 0.69) && !at(0.0, 0.71) && at(-0.1, 0.77) && !at(0.1, 0.63) && !at(0.0, -0.01));
-    }
-
-    /// From a plane through the origin that is turned by 45 degrees.
-    #[test]
-    fn ways_start_at_the_plane() {
-        let start = Vec3::new(0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt());
-        let media = MediumStack::in_medium(1);
-        let planes = [start, Vec3::Z];
-        let segment =
-            Segment { origin: Vec3::ZERO, direction: Vec3::Z, length: 1.0, planes, media, throughput: Vec3::ONE };
-        let way = |x: f32, z: f32| segment.way(Vec3::new(x, 0.1, z), z, 0.25);
-        for (x, z, truth) in
-            [(0.0, 0.5, 0.5), (0.125, 0.5, 0.625), (-0.125, 0.5, 0.375), (0.5, 0.5, 0.75), (-0.5, 0.5, 0.25)]
-        {
-            assert!((way(x, z) - truth).abs() < 1e-6, "{x} {z}");
-        }
-        let along = Segment { planes: [Vec3::Z; 2], ..segment };
-        assert_eq!(along.way(Vec3::new(0.3, 0.1, 0.5), 0.5, 0.25), 0.5);
-        let grazing = Segment { planes: [Vec3::X, Vec3::Z], ..segment };
-        assert_eq!(grazing.way(Vec3::new(0.0, 0.1, 0.5), 0.5, 0.25), 0.25);
     }
 }

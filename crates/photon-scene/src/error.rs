@@ -25,9 +25,9 @@ pub enum SceneError {
     Parameter {
         /// Name of the material.
         material: String,
-        /// What is wrong.
+        /// The fault.
         what: String,
-        /// What would be valid.
+        /// The remedy.
         hint: String,
     },
     /// A property of a light is out of range.

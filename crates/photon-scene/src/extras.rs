@@ -144,7 +144,7 @@ mod tests {
         serde_json::from_str::<MaterialExtras>(&text).unwrap().desc(desc.name.clone(), desc.textures)
     }
 
-    /// What belongs to a solid is not written of a material that is none.
+    /// Properties of solids are not written of other materials.
     #[test]
     fn metal_has_no_dispersion() {
         let glass = MaterialDesc::plastic("a", [0.5; 3], 0.25).with_transmission(0.5, Some([1.0; 3]));

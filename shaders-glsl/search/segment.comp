@@ -75,9 +75,10 @@ void add(uint place, inout vec3 sum) {
     precise vec3 beside = gap - foot * segment.direction;
     float d2 = squared(beside);
     if (floatBitsToUint(d2) >= limit || foot < range.x || foot > range.y) return;
-    if (staged[place].w != index_of_medium || !segment_contains(segment, gap)) return;
+    if (staged[place].w != index_of_medium) return;
+    float column = segment_distance(segment, gap);
+    if (column < 0.0) return;
     float scattered = phase_value(phase, directions[place], segment.direction);
-    float column = max(foot, 0.0);
     if (sees_grid) column = columns_to(columns, column);
     vec3 power = powers[place] * scattered * exp_neg3(extinction * column);
     if (ERROR_MOMENTS != 0) {

@@ -26,10 +26,17 @@ vec3 segment_beyond(vec3 from_origin, vec3 direction, float far) {
     return beyond;
 }
 
-// Whether a point lies between the planes of both ends.
-bool segment_contains(Segment segment, vec3 from_origin) {
-    return dot3(from_origin, segment.start) >= 0.0
-        && dot3(segment_beyond(from_origin, segment.direction, segment.far), segment.end) <= 0.0;
+// The distance along the segment that a point beside it stands for; below 0 if it does not lie between the planes of both ends.
+float segment_distance(Segment segment, vec3 from_origin) {
+    vec3 beyond = segment_beyond(from_origin, segment.direction, segment.far);
+    // Normals are rounded, and may be along the segment.
+    float along_start = max(dot3(segment.direction, segment.start), 1e-6);
+    float along_end = max(dot3(segment.direction, segment.end), 1e-6);
+    precise float before = dot3(from_origin, segment.start) * along_end;
+    precise float behind = -dot3(beyond, segment.end) * along_start;
+    if (!(before >= 0.0 && behind >= 0.0)) return -1.0;
+    precise float whole = max(before + behind, 1.17549435e-38);
+    return segment.far * (before / whole);
 }
 
 #endif

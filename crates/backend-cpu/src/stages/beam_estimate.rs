@@ -86,7 +86,7 @@ impl Photons<'_> {
         let segment = Segment::of(query);
         let (medium, _) = scene.medium(segment.media);
         match scene.columns(&segment, medium) {
-            None => self.sum::<MOMENTS>(scene, query, params, |distance| distance.max(0.0)),
+            None => self.sum::<MOMENTS>(scene, query, params, |distance| distance),
             Some(columns) => self.sum::<MOMENTS>(scene, query, params, |distance| columns.to(distance)),
         }
     }
@@ -114,10 +114,11 @@ impl Photons<'_> {
         let (tangent, bitangent) = if MOMENTS { sampling::basis(direction) } else { (Vec3::ZERO, Vec3::ZERO) };
         map.index().along(origin.into(), direction.into(), length, wide, |slot, t, d2| {
             let from_origin = Vec3::from(map.index().position(slot)) - origin;
-            if !map.has_medium(slot, index) || !segment.contains(from_origin) {
+            if !map.has_medium(slot, index) {
                 return;
             }
-            let transmittance = flight::transmittance(medium, column(t));
+            let Some(distance) = segment.distance(from_origin) else { return };
+            let transmittance = flight::transmittance(medium, column(distance));
             let power = powers[slot as usize] * phase.value(map.direction(slot), direction) * transmittance;
             let u = d2 / squared;
             if !MOMENTS || (d2 <= squared && (-8.0 * radius..=length + 8.0 * radius).contains(&t)) {

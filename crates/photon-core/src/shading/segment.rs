@@ -58,12 +58,20 @@ impl Segment {
         }
     }
 
-    /// Whether a point lies between the planes of both ends.
+    /// The distance along the segment that a point beside it stands for, in `[0, length]`, or `None` if the point does not lie
+    /// between the planes of both ends. Light passes the medium between the planes, which oblique planes cut from a line beside
+    /// the segment earlier or later than from itself; the distance divides the segment as the point divides that part of its
+    /// line. So the mean transmittance over points beside an even medium is that of the segment, however oblique the planes are,
+    /// unless they meet nearby.
     #[inline]
     #[must_use]
-    pub fn contains(&self, from_origin: Vec3) -> bool {
-        from_origin.dot(self.planes[0]) >= 0.0
-            && (from_origin - self.direction * self.length).dot(self.planes[1]) <= 0.0
+    pub fn distance(&self, from_origin: Vec3) -> Option<f32> {
+        let [start, end] = self.planes;
+        // Normals are rounded, and may be along the segment.
+        let along = |plane: Vec3| self.direction.dot(plane).max(1e-6);
+        let before = from_origin.dot(start) * along(end);
+        let behind = -(from_origin - self.direction * self.length).dot(end) * along(start);
+        (before >= 0.0 && behind >= 0.0).then(|| self.length * (before / (before + behind).max(f32::MIN_POSITIVE)))
     }
 }
 
@@ -85,7 +93,31 @@ mod tests {
         assert!(kept.planes[0].distance(segment.planes[0]) < 1e-4 && kept.planes[1].distance(segment.planes[1]) < 1e-4);
         assert_eq!(Segment { planes: segment.planes, ..kept }, segment);
         // The oblique end cuts off what is behind it on one side, and adds as much on the other.
-        let at = |x: f32, z: f32| segment.contains(Vec3::new(x, 0.0, z));
+        let at = |x: f32, z: f32| segment.distance(Vec3::new(x, 0.0, z)).is_some();
         assert!(at(0.0, 0.69) && !at(0.0, 0.71) && at(-0.1, 0.77) && !at(0.1, 0.63) && !at(0.0, -0.01));
+    }
+
+    /// The start is turned by 45 degrees, so that lines beside the segment begin earlier or later by their distance from it.
+    #[test]
+    fn distances_divide_the_medium_between_the_planes() {
+        let start = Vec3::new(0.5_f32.sqrt(), 0.0, 0.5_f32.sqrt());
+        let media = MediumStack::in_medium(1);
+        let [origin, direction, throughput] = [Vec3::ZERO, Vec3::Z, Vec3::ONE];
+        let oblique = Segment { origin, direction, length: 1.0, planes: [start, Vec3::Z], media, throughput };
+        let straight = Segment { planes: [Vec3::Z; 2], ..oblique };
+        let at = |segment: &Segment, x: f32, z: f32| segment.distance(Vec3::new(x, 0.3, z));
+        for (x, z) in [(0.0, 0.0), (0.0, 0.5), (0.25, 0.5), (-0.25, 0.5), (0.5, -0.2), (0.0, 1.0)] {
+            let truth = (z + x) / (1.0 + x);
+            assert!((at(&oblique, x, z).unwrap() - truth).abs() < 1e-6, "{x} {z}");
+            assert_eq!(at(&straight, x, z), (z >= 0.0).then_some(z));
+        }
+        assert_eq!(at(&oblique, -0.6, 0.5), None);
+        // Nothing is left of the medium where the planes meet. Before a plane along the segment is all of it.
+        assert_eq!(at(&oblique, -1.0, 1.0), Some(0.0));
+        let grazing = Segment { planes: [Vec3::new(1.0, 0.0, -1e-5), Vec3::Z], ..oblique };
+        assert!((at(&grazing, 0.1, 0.5).unwrap() - 1.0).abs() < 1e-4);
+        assert_eq!(at(&grazing, -0.1, 0.5), None);
+        let at_both = Segment { planes: [Vec3::X, Vec3::NEG_X], ..oblique };
+        assert_eq!((at(&at_both, 0.1, 0.5), at(&at_both, -0.1, 0.5)), (Some(0.5), None));
     }
 }

@@ -21,8 +21,8 @@ pub struct BeamParams {
 pub trait BeamEstimator<B: TransportBackend>: Send {
     /// Replaces the contents of `buffers` with those of `segments`, which are those of [`crate::Segment`]:
     /// [`crate::Estimate::flux`] is the sum over the photons of `map` within the radius, in the medium of the segment and between
-    /// its planes, of `W(d²/r²)·T·f·power`, where T is the transmittance from the start to the foot of the photon, and f the
-    /// phase function. Error moments have `T·f·power` as the power of a photon, and the offset from its foot.
+    /// its planes, of `W(d²/r²)·T·f·power`, where T is the transmittance to [`crate::Segment::distance`], and f the phase
+    /// function. Error moments have `T·f·power` as the power of a photon, and the offset from its foot.
     ///
     /// # Errors
     /// Errors of the backend.

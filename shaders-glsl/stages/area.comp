@@ -49,22 +49,34 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
 
 layout(push_constant, scalar) uniform Push { Parameters push; };
 
-// The nearest surface that is not glass; its `t` is relative to the ray's origin.
-bool opaque(Ray ray, out Surface found) {
+// The nearest surface that is not glass, and not farther above query `i` than `most`; its `t` is relative to the ray's origin.
+// `hidden` if there is such a surface above it.
+bool opaque_below(Ray ray, uint i, float most, out Surface found, out bool hidden) {
     float passed = 0.0;
+    hidden = false;
     for (uint sheet = 0; sheet <= AREA_SHEETS; sheet++) {
         if (!surface(push.scene, ray, 0u, found)) return false;
-        if ((FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) == 0) return true;
-        uint kind = push.scene.materials[found.material].at.kind;
         float gone = found.t;
         found.t += passed;
-        if (kind != MATERIAL_DIELECTRIC && kind != MATERIAL_THIN) return true;
+        bool over = FLAT != 0 && dot3(found.point - push.queries[i].at.position, push.queries[i].at.normal) > most;
+        hidden = hidden || over;
+        bool passes = over;
+        if ((FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0) {
+            uint kind = push.scene.materials[found.material].at.kind;
+            passes = passes || kind == MATERIAL_DIELECTRIC || kind == MATERIAL_THIN;
+        }
+        if (!passes) return true;
         passed = found.t;
         float left = ray.t_max - gone;
         ray = surface_pass(found, ray.direction);
         ray.t_max = left;
     }
     return false;
+}
+
+bool opaque(Ray ray, out Surface found) {
+    bool hidden;
+    return opaque_below(ray, 0u, NO_LIMIT, found, hidden);
 }
 
 // Height above query `i` from which probes start: half that of a ceiling, if it is low.
@@ -106,7 +118,9 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
             continue;
         }
         float away = distance * radius;
-        if (!opaque(Ray(apex + direction * away, -normal, 2.0 * height), at)) continue;
+        bool hidden;
+        float most_above = push.max_plane_distance * radius;
+        if (!opaque_below(Ray(apex + direction * away, -normal, 2.0 * height), i, most_above, at, hidden)) continue;
         Material material = push.scene.materials[at.material].at;
         bool keeps = REFLECTIONS ? material.kind == MATERIAL_GLOSSY : material_stores_photons(material);
         if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
@@ -117,7 +131,8 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
             if (weights == vec3(0.0)) continue;
         }
         // Behind an occluder, the point may be inside a solid, where no photon is stored.
-        if (away > free && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
+        bool is_open = away <= free && !hidden;
+        if (!is_open && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
         found += weights;
         // The outer probe is skipped if no error moments are computed, and the image must not depend on it.
         whole = ring < AREA_RINGS && FLAT == 0 && away <= free;

@@ -6,7 +6,7 @@ use photon_core::{
     Area, Backend, Direct, ErrorMoments, Estimate, EstimateParams, Estimator, IndexKind, Indirect, Kernel, Photon,
     Query, Search, Settings, TransportBackend,
 };
-use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
+use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
 use crate::estimators::poisson;
 use crate::harness::{TestBackend, look_at_point, per_pass, query_at};
@@ -159,4 +159,21 @@ pub fn d6_a_sheet_in_the_shade_is_dark<T: TestBackend>() {
     assert_agrees("step", moments(&mended).0, 1.0, standard_error(&mended), 4e-3);
     let lost = shares::<T>(&step, 0.05, Area::Disc, false);
     assert_agrees("end", moments(&lost).0, 0.5, standard_error(&lost), 1e-3);
+}
+
+/// D9: beside the edge of a board above, half of the disc is in its shadow. That half is surface too, although probes from
+/// above meet the board first. Within solids it is not: a box that stands there instead hides it, and what is left is as
+/// bright as all of it.
+pub fn d9_a_board_above_hides_no_area<T: TestBackend>() {
+    for (what, bottom, truth) in [("board", 0.3, 0.5), ("box", -0.3, 1.0)] {
+        let mut builder = SceneBuilder::new();
+        let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
+        builder.quad("floor", [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]], grey);
+        let (positions, triangles) = shapes::cuboid([-0.8, -0.8, bottom * REACH], [0.0, 0.8, APART * REACH]);
+        builder.mesh(what, positions, triangles, grey);
+        builder.light("sun", LightDesc::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
+        look_at_point(&mut builder, [1e-5, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0, 1e-6);
+        let found = shares::<T>(&builder.build().unwrap(), SHARE, Area::Surface, false);
+        assert_agrees(what, moments(&found).0, truth, standard_error(&found), 4e-3);
+    }
 }

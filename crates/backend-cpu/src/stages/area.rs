@@ -177,6 +177,7 @@ impl Disc<'_> {
         let up = Ray { origin: from, direction: normal, t_max: HEIGHT * radius };
         let height = opaque::<ALPHA>(scene, up).map_or(HEIGHT * radius, |(t, _)| 0.5 * t);
         let apex = from + normal * height;
+        let height_over = |surface: &SurfaceInteraction| (surface.point - Vec3::from(query.position)).dot(normal);
         let (mut found, mut all) = ([0.0; 3], [0.0; 3]);
         let discs = if SECOND { 3 } else { 1 };
         for spoke in 0..SPOKES {
@@ -203,9 +204,16 @@ impl Disc<'_> {
                 }
                 let away = distance * radius;
                 let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
-                let Some((_, surface)) = opaque::<ALPHA>(scene, down) else { continue };
-                let off = (surface.point - Vec3::from(query.position)).dot(normal).abs();
-                if self.keeps(&surface) && (away <= free || !enclosed::<ALPHA>(scene, &surface)) {
+                let mut hidden = false;
+                let above = |surface: &SurfaceInteraction| {
+                    let over = gather.is_flat() && height_over(surface) > gather.max_plane_distance * radius;
+                    hidden |= over;
+                    over
+                };
+                let Some((_, surface)) = opaque_where::<ALPHA>(scene, down, above) else { continue };
+                let off = height_over(&surface).abs();
+                let is_open = away <= free && !hidden;
+                if self.keeps(&surface) && (is_open || !enclosed::<ALPHA>(scene, &surface)) {
                     // The outer probe exists only if error moments are requested. It must not decide for the rings
                     // inside it, since the image must be the same either way.
                     whole = ring < RINGS && !gather.is_flat() && away <= free;
@@ -235,11 +243,20 @@ fn enclosed<const ALPHA: bool>(scene: &CpuScene, surface: &SurfaceInteraction) -
 }
 
 /// The nearest intersection with a surface that does not transmit, and its distance.
-fn opaque<const ALPHA: bool>(scene: &CpuScene, mut ray: Ray) -> Option<(f32, SurfaceInteraction)> {
+fn opaque<const ALPHA: bool>(scene: &CpuScene, ray: Ray) -> Option<(f32, SurfaceInteraction)> {
+    opaque_where::<ALPHA>(scene, ray, |_| false)
+}
+
+/// The same beyond surfaces that the ray `passes`.
+fn opaque_where<const ALPHA: bool>(
+    scene: &CpuScene,
+    mut ray: Ray,
+    mut passes: impl FnMut(&SurfaceInteraction) -> bool,
+) -> Option<(f32, SurfaceInteraction)> {
     let mut passed = 0.0;
     for _ in 0..=SHEETS {
         let surface = scene.covered_surface::<ALPHA>(&ray)?;
-        if !scene.materials[surface.material as usize].kind().transmits() {
+        if !passes(&surface) && !scene.materials[surface.material as usize].kind().transmits() {
             return Some((passed + surface.t, surface));
         }
         passed += surface.t;

@@ -46,8 +46,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Co
     vec4 c;
 };
 
-// Data beyond a light's record: its power divided by its selection probability, that probability, and the
-// corners of its triangle with its margin.
+// Data beyond a light's record: the power of its photons, the probability of its selection, and the corners of its triangle
+// with its normal and margin. Of a point or spot light outside of the scene, `normal` and `margin` are the axis and the versine
+// of the cone around the scene.
 struct Emission {
     vec3 carried;
     float probability;

@@ -16,6 +16,7 @@ layout(constant_id = 3) const bool AIMED = false;
 #include "device/grid.glsl"
 #include "shading/random.glsl"
 #include "shading/sampling.glsl"
+#include "shading/light_cone.glsl"
 #include "shading/scene.glsl"
 #include "shading/shade.glsl"
 #include "shading/coated_light.glsl"
@@ -92,7 +93,12 @@ void main() {
     vec3 origin = light.position;
     vec3 direction = light.direction;
     uint media = emission.media.x;
-    if ((FEATURES & FEATURE_POINT_LIGHTS) != 0u && light.kind == LIGHT_POINT) {
+    bool has_place = light.kind == LIGHT_POINT || light.kind == LIGHT_SPOT;
+    if ((FEATURES & (FEATURE_POINT_LIGHTS | FEATURE_SPOT_LIGHTS)) != 0u && has_place && emission.margin > 0.0) {
+        float intensity;
+        direction = light_cone_sample(light, emission.normal, emission.margin, c, d, intensity);
+        carried = shade_multiply(carried, vec3(intensity));
+    } else if ((FEATURES & FEATURE_POINT_LIGHTS) != 0u && light.kind == LIGHT_POINT) {
         direction = uniform_sphere(centred_f32(start.x), d);
     } else if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0u && light.kind == LIGHT_SPOT) {
         direction = sampling_about(light.direction, spot_versine(light.versine_inner, light.versine_outer, c), d);

@@ -16,7 +16,7 @@ use crate::harness::{TestBackend, per_pass, renderer};
 use crate::stats::{agrees, assert_agrees, moments, standard_error};
 
 /// Kinds of lights, one scene each; the last has all of them.
-const LIGHT_KINDS: [&str; 6] = ["point", "spot", "sun", "panel", "environment", "all"];
+const LIGHT_KINDS: [&str; 7] = ["point", "spot", "outside", "sun", "panel", "environment", "all"];
 
 /// A glass ball, a mirror and a pane above a floor, lit by `kinds`. If not `whole`, only a small bead in the place
 /// of the ball: a scene for a projection map that does not match.
@@ -40,6 +40,12 @@ fn room(kinds: &str, whole: bool) -> Scene {
         let (position, direction) = ([1.5, 1.8, 0.3], [-1.0, -1.0, -0.3]);
         let (inner_angle, outer_angle) = (0.2, 0.7);
         builder.light("spot", LightDesc::Spot { position, direction, intensity: [3.0; 3], inner_angle, outer_angle });
+    }
+    if has("outside") {
+        builder.light("far", LightDesc::Point { position: [4.0, 6.0, 1.0], intensity: [30.0, 20.0, 10.0] });
+        let (position, direction) = ([-5.0, 4.0, 2.0], [5.0, -3.6, -2.5]);
+        let (inner_angle, outer_angle) = (0.1, 0.9);
+        builder.light("wide", LightDesc::Spot { position, direction, intensity: [20.0; 3], inner_angle, outer_angle });
     }
     if kinds == "sun" {
         let (direction, irradiance) = ([0.3, -1.0, 0.2], [0.2, 0.3, 0.5]);

@@ -44,6 +44,7 @@ pub mod harness;
 pub mod inside;
 pub mod interreflection;
 pub mod lens;
+pub mod lights_outside;
 pub mod many_lights;
 pub mod media;
 pub mod media_equivalence;
@@ -125,7 +126,9 @@ macro_rules! whole_suite {
                 d4_radii_of_pixels_keep_the_mean, d7_second_radii_at_ends_tell_no_bias,
                 d8_errors_change_no_share_of_the_picture,
             }
-            sheets::{ d5_a_sheet_beside_does_not_shine_through, d6_a_sheet_in_the_shade_is_dark }
+            sheets::{
+                d5_a_sheet_beside_does_not_shine_through, d6_a_sheet_in_the_shade_is_dark, d9_a_board_above_hides_no_area,
+            }
             aiming::{
                 g1_aimed_photons_have_the_same_expectation, g2_all_ways_to_something_specular_are_marked,
                 g3_aimed_pictures_have_the_same_mean, g4_aimed_paths_are_accounted_for,
@@ -143,6 +146,7 @@ macro_rules! whole_suite {
                 b8_power_of_emitters, b9_area_lights_near_by, b10_no_shadow_ray_outshines_its_area_light,
                 b11_each_light_has_a_shadow_ray, direct_light_by_photons_agrees,
             }
+            lights_outside::{ lights_outside_give_what_arrives }
             many_lights::{
                 g14_grid_of_point_lights, v14_powers_apart_and_coincident_lights, sun_among_many_lights,
             }

@@ -108,7 +108,7 @@ fn room(lit: Lit, portals: &[Quad], mirror: bool) -> Scene {
 }
 
 /// Sum and standard error, in watts, of the photons that `count` selects, of `paths` paths that store at most one each.
-fn flux(scene: &Scene, photons: &[Photon], paths: u32, counts: impl Fn(&Photon) -> bool) -> (f64, f64) {
+pub(crate) fn flux(scene: &Scene, photons: &[Photon], paths: u32, counts: impl Fn(&Photon) -> bool) -> (f64, f64) {
     let powers = photons.iter().filter(|photon| counts(photon)).map(|photon| f64::from(photon.power[0]));
     let (sum, squares) = powers.fold((0.0, 0.0), |(sum, squares), power| (sum + power, squares + power * power));
     let paths = f64::from(paths);

@@ -6,9 +6,9 @@ use std::time::Instant;
 use photon_core::glam::Vec3;
 use photon_core::random::unit_f32;
 use photon_core::{
-    EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, LightGroups, Material, MediaFeatures, Medium,
-    MediumStack, OwnedGridTables, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable, SceneView,
-    Shaded, SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, interface, memory, offset,
+    EnvironmentMap, Error, Features, Hit, Interface, Layers, Light, LightCone, LightGroups, Material, MediaFeatures,
+    Medium, MediumStack, OwnedGridTables, Portal, Primitive, Ray, RayCaster, Requirements, Result, RoughGlassTable,
+    SceneView, Shaded, SkipLimit, Solids, Spectrum, SurfaceInteraction, Wavelength, alpha, interface, memory, offset,
     radiance_scale, roughest_caustic, shadow_terminator,
 };
 use photon_scene::{Accel, AccelError};
@@ -33,6 +33,8 @@ pub struct CpuScene {
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
     pub(crate) light_cdf: Vec<u32>,
+    /// See [`Self::light_cone`].
+    light_cones: Vec<Option<LightCone>>,
     /// Groups of lights that each have a shadow ray, if there are rays enough.
     pub(crate) light_groups: LightGroups,
     /// For shadow rays in a scene with many lights.
@@ -117,6 +119,7 @@ impl CpuScene {
             materials: memory::copied(view.materials, "materials")?,
             lights: memory::copied(view.lights, "lights")?,
             light_cdf: memory::copied(view.light_cdf, "lights")?,
+            light_cones: LightCone::of_lights(view),
             light_groups: LightGroups::new(view),
             light_tree: by_tree.then(|| CpuLightTree::new(view)),
             environment: view.environment.cloned(),
@@ -138,6 +141,12 @@ impl CpuScene {
             roughest_caustic: roughest_caustic(view),
             build_seconds,
         })
+    }
+
+    /// The cone that contains the photons of a point or spot light outside of the scene.
+    #[inline]
+    pub(crate) fn light_cone(&self, index: usize) -> Option<&LightCone> {
+        self.light_cones.get(index).and_then(Option::as_ref)
     }
 
     /// Radius of the largest circle within one triangle; found when it is first asked for.

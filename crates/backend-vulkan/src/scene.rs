@@ -5,7 +5,7 @@ use std::time::Instant;
 use bytemuck::Pod;
 use photon_core::glam::Vec3;
 use photon_core::{
-    Boundaries, Error, Features, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, Spectrum,
+    Boundaries, Error, Features, LightCone, Locator, MediaFeatures, Requirements, Result, SceneView, Solids, Spectrum,
     light_probability, offset, parallel,
 };
 use photon_scene::CompressedTree;
@@ -77,7 +77,9 @@ host_struct! {
         a: [f32; 3],
         b: [f32; 3],
         c: [f32; 3],
+        /// Of the triangle; of a point or spot light with photons in a [`LightCone`] its axis.
         normal: [f32; 3],
+        /// Of the triangle; or the versine of the cone, 0 without one.
         margin: f32,
         /// Media that paths start in, on the front and on the back side.
         media: [u32; 2],
@@ -111,8 +113,9 @@ impl VulkanScene {
         let nodes = upload.table("BVH nodes", &tree.nodes)?;
         let corners = upload.by_triangle("triangles", &tree.order, |id| corners(view, id))?;
         let primitives = upload.by_triangle("primitives", &tree.order, |id| view.primitives[id as usize])?;
+        let cones = LightCone::of_lights(view);
         let mut emissions: Vec<Emission> =
-            (0..view.lights.len()).map(|index| emission(view, index, locator.as_ref())).collect();
+            (0..view.lights.len()).map(|index| emission(view, index, &cones, locator.as_ref())).collect();
         if present.intersects(Features::TEXTURED_LIGHTS.union(Features::COATED_LIGHTS)) {
             let mut slots = vec![0; tree.order.len()];
             for (slot, &id) in (0..).zip(&tree.order) {
@@ -212,19 +215,27 @@ fn margin(corners: [[f32; 3]; 3]) -> f32 {
     offset::margin(corners.map(Vec3::from))
 }
 
-/// The power that a path from this light carries and, for area lights, the triangle it starts from.
-fn emission(view: &SceneView<'_>, index: usize, locator: Option<&Locator<'_>>) -> Emission {
+/// The power that a path from this light carries, within its cone if it has one, and, for area lights, the triangle it starts
+/// from.
+fn emission(
+    view: &SceneView<'_>,
+    index: usize,
+    cones: &[Option<LightCone>],
+    locator: Option<&Locator<'_>>,
+) -> Emission {
     let light = &view.lights[index];
     let share = light_probability(view.light_cdf, index);
+    let cone = cones.get(index).and_then(Option::as_ref);
     let area = light.kind == photon_core::Light::TRIANGLE;
     let ([a, b, c], normal, margin) = if area {
         let primitive = light.primitive as usize;
         let corners = view.triangles[primitive].map(|vertex| view.positions[vertex as usize]);
         (corners, view.primitives[primitive].normal, margin(corners))
     } else {
-        ([[0.0; 3]; 3], [0.0; 3], 0.0)
+        ([[0.0; 3]; 3], cone.map_or([0.0; 3], |cone| cone.axis.into()), cone.map_or(0.0, |cone| cone.versine))
     };
-    let carried = light.power.map(|power| (f64::from(power) / share) as f32);
+    let per_path = cone.map_or(1.0, |cone| cone.share(light)) / share;
+    let carried = light.power.map(|power| (f64::from(power) * per_path) as f32);
     let media = locator.map_or([0; 2], |locator| locator.of_light(light).map(|stack| stack.bits()));
     Emission { carried, probability: share as f32, a, b, c, normal, margin, media, slot: 0 }
 }

@@ -96,6 +96,7 @@ pub use shading::environment::EnvironmentSample;
 pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;
 pub use shading::layers::Layers;
+pub use shading::light_cone::LightCone;
 pub use shading::reflection_lobe::{ReflectionLobe, Vectors};
 pub use shading::rough_glass::{RoughGlass, RoughSample};
 pub use shading::rough_glass_table::RoughGlassTable;

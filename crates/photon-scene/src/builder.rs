@@ -12,7 +12,7 @@ use crate::portals::{self, PortalDesc};
 use crate::scene::Scene;
 use crate::texture::{TextureDesc, TextureId};
 use crate::{camera, contact, lights, normalise, order, repeated, shading, solids, validate};
-use photon_core::{EnvironmentMap, Light, Primitive, Units, light_cdf, shown};
+use photon_core::{EnvironmentMap, Light, LightCone, Primitive, Units, light_cdf, shown};
 use std::sync::Arc;
 
 /// Handle of a material of one [`SceneBuilder`].
@@ -285,11 +285,11 @@ impl SceneBuilder {
         }
 
         let radius = lit.lights.iter().map(|light| normalise::length(light.position)).fold(geometry.radius, f64::max);
-        Ok(Scene {
+        let mut scene = Scene {
             environment: self.environment.filter(|_| lit.shows_environment()).map(|map| map.scaled(lit.per_power())),
             environment_text: self.environment_text,
             portals,
-            light_cdf: light_cdf(&lit.means),
+            light_cdf: Vec::new(),
             units,
             shading,
             radius: normalise::round_up(radius),
@@ -308,7 +308,12 @@ impl SceneBuilder {
             cameras: self.cameras,
             dropped: geometry.dropped,
             warnings: warnings.iter().map(|warning| shown(warning).into_owned()).collect(),
-        })
+        };
+        // Shares of paths follow the power that arrives.
+        let arriving = LightCone::arriving(&scene.view());
+        let weights: Vec<f64> = lit.means.iter().zip(arriving).map(|(mean, arriving)| mean * arriving).collect();
+        scene.light_cdf = light_cdf(&weights);
+        Ok(scene)
     }
 }
 

@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 #[derive(Debug)]
 pub(crate) struct Lit {
     pub(crate) lights: Vec<Light>,
-    /// Mean of RGB of each light's power, which determines its share of the photons.
+    /// Mean of RGB of each light's power.
     pub(crate) means: Vec<f64>,
     /// Total flux, mean of RGB, watts; 1 if nothing emits.
     pub(crate) power: f64,

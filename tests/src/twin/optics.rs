@@ -72,6 +72,13 @@ pub fn uniform_sphere(u: f64, v: f64) -> DVec3 {
     around(DVec3::Z, 2.0 * (u * (1.0 - u)).sqrt(), 1.0 - 2.0 * u, v)
 }
 
+/// The direction at `u` of `versine`, and `v` of a turn, from an axis.
+#[must_use]
+pub fn within_cone(axis: DVec3, versine: f64, u: f64, v: f64) -> DVec3 {
+    let within = u * versine;
+    around(axis, (within * (2.0 - within)).sqrt(), 1.0 - within, v)
+}
+
 /// The angle between two unit vectors, accurate for very small angles.
 #[must_use]
 pub fn angle(a: DVec3, b: DVec3) -> f64 {

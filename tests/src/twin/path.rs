@@ -2,7 +2,9 @@
 
 use photon_core::glam::DVec3;
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, centred_f32, unit_f32};
-use photon_core::{Light, MapKind, MaterialKind, MediumStack, Pass, interface, light_probability, pick_light};
+use photon_core::{
+    Light, LightCone, MapKind, MaterialKind, MediumStack, Pass, interface, light_probability, pick_light,
+};
 
 use super::optics;
 use super::scene::Wide;
@@ -62,10 +64,16 @@ pub fn emit(scene: &Wide, pass: Pass, path: u32) -> Start {
     let [a, b, c, d] = [a, b, c, d].map(|word| f64::from(unit_f32(word)));
     let index = pick_light(&scene.light_cdf, choice);
     let light = &scene.lights[index];
-    let power = DVec3::from(light.power.map(f64::from)) / light_probability(&scene.light_cdf, index);
+    let cone = scene.light_cones.get(index).copied().flatten();
+    let per_path = cone.map_or(1.0, |cone| cone.share(light)) / light_probability(&scene.light_cdf, index);
+    let power = DVec3::from(light.power.map(f64::from)) * per_path;
     let mut back = false;
     let (origin, direction, from) = match light.kind {
-        Light::POINT => (scene.light_places[index], optics::uniform_sphere(height, d), u32::MAX),
+        Light::POINT => {
+            let within = |cone: LightCone| optics::within_cone(cone.axis.as_dvec3(), cone.versine.into(), c, d);
+            let direction = cone.map_or_else(|| optics::uniform_sphere(height, d), within);
+            (scene.light_places[index], direction, u32::MAX)
+        }
         Light::TRIANGLE => {
             let root = a.sqrt();
             let (u, v) = (root * (1.0 - b), root * b);

@@ -1,7 +1,7 @@
 //! A scene in f64, with the user's numbers unrounded or with the shipped f32 numbers.
 
 use photon_core::glam::{DVec3, Vec3};
-use photon_core::{Light, Material, Medium, MediumStack, Solids};
+use photon_core::{Light, LightCone, Material, Medium, MediumStack, Solids};
 use photon_scene::shapes::Shape;
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
@@ -62,6 +62,7 @@ pub struct Wide {
     pub(crate) lights: Vec<Light>,
     pub(crate) light_places: Vec<DVec3>,
     pub(crate) light_cdf: Vec<u32>,
+    pub(crate) light_cones: Vec<Option<LightCone>>,
     pub(crate) tree: Tree,
     /// Distance by which rays are offset from surfaces along their normals: against the rounding of f64, unless set
     /// otherwise. Points keep twice that distance from edges.
@@ -167,6 +168,7 @@ impl Wide {
             lights: view.lights.to_vec(),
             light_places: Vec::new(),
             light_cdf: view.light_cdf.to_vec(),
+            light_cones: LightCone::of_lights(&view),
             tree: Tree::new(triangles.clone()),
             triangles,
             step: 1e-14,

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::scene::CpuScene;
 
-/// Emits photons in proportion to the power of the lights.
+/// Emits photons, by [`photon_core::SceneView::light_cdf`].
 #[derive(Debug)]
 pub(crate) struct CpuEmitter;
 
@@ -47,9 +47,11 @@ fn emit<const TEXTURED: bool, const PORTALS: bool>(
         let [choice, a, b, side] = sampler.words(BLOCK_LIGHT);
         let [c, d, ..] = sampler.words(BLOCK_START);
         let index = pick_light(&scene.light_cdf, choice);
-        let share = light_probability(&scene.light_cdf, index);
-        // Every path carries the power of its light divided by the probability of choosing that light.
-        let power = scene.lights[index].power.map(|p| (f64::from(p) / share) as f32);
+        let light = &scene.lights[index];
+        // Every path carries the power of its light, within its cone, divided by the probability of choosing that light.
+        let per_path =
+            scene.light_cone(index).map_or(1.0, |cone| cone.share(light)) / light_probability(&scene.light_cdf, index);
+        let power = light.power.map(|p| (f64::from(p) * per_path) as f32);
         let start = PhotonRay { path, power, ..PhotonRay::default() };
         let disc = || unreachable!("only aimed photons start through it");
         leave::<false, TEXTURED, PORTALS>(scene, index, [a, b], ([c, d], side), start, disc)
@@ -128,7 +130,8 @@ fn before(disc: &ProjectionDisc, at: Vec3, direction: Vec3, radius: f32) -> Vec3
 }
 
 /// Samples the origin and direction of a photon that leaves light `index`; its path and its power, which is that of
-/// the light's mean radiance, are those of `start`. With `AIMED`, those of infinitely distant lights start through `disc`.
+/// the light's mean radiance or greatest intensity, are those of `start`. With `AIMED`, those of infinitely distant lights
+/// start through `disc`.
 #[inline]
 fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
     scene: &CpuScene,
@@ -145,13 +148,18 @@ fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
     let along = Vec3::from(light.direction);
     let mut back = false;
     let mut power = start.power;
-    let (origin, direction) = match light.kind {
-        Light::POINT => (position, sampling::uniform_sphere(centred_f32(height), d)),
-        Light::SPOT => {
+    let (origin, direction) = match (light.kind, scene.light_cone(index)) {
+        (Light::POINT | Light::SPOT, Some(cone)) => {
+            let (direction, intensity) = cone.sample(light, c, d);
+            power = power.map(|p| p * intensity);
+            (position, direction)
+        }
+        (Light::POINT, None) => (position, sampling::uniform_sphere(centred_f32(height), d)),
+        (Light::SPOT, None) => {
             let versine = sampling::spot_versine(light.versine_inner, light.versine_outer, c);
             (position, sampling::about(along, versine, d))
         }
-        Light::ENVIRONMENT => {
+        (Light::ENVIRONMENT, _) => {
             let Some(environment) = &scene.environment else { return start };
             let found = environment.sample(direction);
             let direction = -found.direction;
@@ -173,7 +181,7 @@ fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
                 }
             }
         }
-        Light::DIRECTIONAL if PORTALS => {
+        (Light::DIRECTIONAL, _) if PORTALS => {
             let (direction, away) = if light.is_sun() {
                 (sampling::about(along, sampling::sun_versine(light.versine_outer, c), d), 2.0 * light.radius)
             } else {
@@ -185,7 +193,7 @@ fn leave<const AIMED: bool, const TEXTURED: bool, const PORTALS: bool>(
             power = power.map(|p| p * factor);
             (line.across - direction * away, direction)
         }
-        Light::DIRECTIONAL => {
+        (Light::DIRECTIONAL, _) => {
             let (x, y) = sampling::disc(a, b);
             let (tangent, bitangent) = sampling::basis(along);
             if light.is_sun() {

@@ -10,7 +10,7 @@ use crate::vulkan::Vulkan;
 
 const GROUP: u32 = 128;
 
-/// Emits photons in proportion to the power of the lights.
+/// Emits photons, by [`photon_core::SceneView::light_cdf`].
 #[derive(Debug)]
 pub(crate) struct VulkanEmitter;
 

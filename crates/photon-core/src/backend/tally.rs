@@ -24,7 +24,7 @@ impl Fate {
     pub const COUNT: usize = Self::Terminated as usize + 1;
 
     /// A path with more power than this in a channel is dropped, since only numerical failure explains it: a path
-    /// starts with about 1.
+    /// starts with about 1, or less.
     pub const MAX_POWER: f32 = 1_048_576.0;
 }
 
@@ -114,7 +114,7 @@ pub struct Tally {
     pub too_deep: u64,
     /// Photons stored in each map.
     pub stored: PerMap<u64>,
-    /// Flux emitted by the lights.
+    /// Flux emitted by the lights, without that of [`crate::LightCone`] which leaves past the scene.
     pub flux_emitted: FluxSum,
     /// Flux absorbed by surfaces and solids, with what thinned paths lose less what those that stand for them gain: 0 in the mean.
     pub flux_absorbed: FluxSum,

@@ -11,6 +11,7 @@ use crate::parallel;
 use crate::sampling;
 use crate::scene::SceneView;
 use crate::scene::light::Light;
+use crate::shading::light_cone::LightCone;
 
 /// Bits of a cell for each number of a light's point and direction, with at most `most` in total.
 pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
@@ -32,12 +33,13 @@ pub(super) fn bits(light: &Light, most: u32) -> (u32, u32) {
 type Sink<'a> = &'a mut dyn FnMut(u32) -> ControlFlow<()>;
 
 /// Calls `sink` with the cells of `light` from which a photon could hit one of `spheres`, and adds the
-/// number of blocks of cells that were tested to `blocks`. There is a disc if the light is infinitely far away.
+/// number of blocks of cells that were tested to `blocks`. There is a disc if the light is infinitely far away, and a cone if
+/// photons leave it only towards the scene.
 pub(super) fn mark(
     scene: &SceneView<'_>,
     light: &Light,
     bits: (u32, u32),
-    disc: Option<ProjectionDisc>,
+    (disc, cone): (Option<ProjectionDisc>, Option<LightCone>),
     spheres: &[Sphere],
     blocks: &mut u64,
     sink: Sink<'_>,
@@ -46,7 +48,7 @@ pub(super) fn mark(
     let cells = 2 * (bits.0 + bits.1);
     let by_threads = cells >= PARALLEL_BITS && spheres.len() >= PARALLEL_SPHERES;
     for side in 0..if both { 2 } else { 1 } {
-        let beams = &Beams::new(scene, light, side == 1, disc, bits.1);
+        let beams = &Beams::new(scene, light, side == 1, (disc, cone), bits.1);
         let near = (0..spheres.len() as u32).collect();
         let marking = Marking { beams, bits, side, spheres, near, blocks: 0 };
         if by_threads {
@@ -241,6 +243,7 @@ struct Beams {
     axis: DVec3,
     axes: [DVec3; 2],
     disc: Option<ProjectionDisc>,
+    cone: Option<LightCone>,
     environment: Option<EnvironmentBeams>,
 }
 
@@ -249,14 +252,15 @@ impl Beams {
         scene: &SceneView<'_>,
         light: &Light,
         back: bool,
-        disc: Option<ProjectionDisc>,
+        (disc, cone): (Option<ProjectionDisc>, Option<LightCone>),
         direction_bits: u32,
     ) -> Self {
         let area = light.kind == Light::TRIANGLE;
         let mut corners = [Vec3::from(light.position); 3];
-        let axis = match light.kind {
-            Light::POINT | Light::ENVIRONMENT => Vec3::Z,
-            Light::SPOT | Light::DIRECTIONAL => Vec3::from(light.direction),
+        let axis = match (light.kind, cone) {
+            (_, Some(cone)) => cone.axis,
+            (Light::POINT | Light::ENVIRONMENT, None) => Vec3::Z,
+            (Light::SPOT | Light::DIRECTIONAL, None) => Vec3::from(light.direction),
             _ => {
                 let front = Vec3::from(scene.primitives[light.primitive as usize].normal);
                 if back { -front } else { front }
@@ -269,9 +273,11 @@ impl Beams {
         Self {
             light: *light,
             corners: corners.map(Vec3::as_dvec3),
-            axis: axis.as_dvec3(),
+            // Small cells far away are compared by their cosines.
+            axis: axis.as_dvec3().normalize_or_zero(),
             axes: [tangent.as_dvec3(), bitangent.as_dvec3()],
             disc,
+            cone,
             environment: disc
                 .filter(|_| light.kind == Light::ENVIRONMENT)
                 .zip(scene.environment)
@@ -329,9 +335,10 @@ impl Beams {
     /// The angle to the axis of a direction whose first number is `u`.
     fn polar(&self, u: f64) -> f64 {
         let from_versine = |versine: f64| 2.0 * libm::asin((0.5 * versine).max(0.0).sqrt().min(1.0));
-        match self.light.kind {
-            Light::POINT => from_versine(2.0 * u),
-            Light::SPOT => {
+        match (self.light.kind, self.cone) {
+            (_, Some(cone)) => from_versine(f64::from(cone.versine) * u),
+            (Light::POINT, None) => from_versine(2.0 * u),
+            (Light::SPOT, None) => {
                 let (inner, outer) = (self.light.versine_inner, self.light.versine_outer);
                 let versine = if u < 1.0 { sampling::spot_versine(inner, outer, u as f32) } else { outer };
                 from_versine(f64::from(versine))

@@ -16,6 +16,7 @@ use crate::scene::light::Light;
 use crate::scene::material::{Material, MaterialKind};
 use crate::scene::{SceneView, light_cdf, light_probability, pick_light};
 use crate::settings::{CausticPhotons, Settings};
+use crate::shading::light_cone::LightCone;
 
 mod cells;
 mod clusters;
@@ -37,7 +38,7 @@ const ENVIRONMENT_SPHERES: usize = 256;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[non_exhaustive]
 pub struct ProjectionTarget {
-    /// Power of each of its aimed photons, like [`crate::PhotonRay::power`].
+    /// Power of each of its aimed photons, like [`crate::PhotonRay::power`]; of a spot light with a cone where it is brightest.
     pub carried: [f32; 3],
     /// Index of the light in the scene's table.
     pub light: u32,
@@ -197,11 +198,15 @@ impl ProjectionMap {
         let fine = LazyCell::new(|| clusters::of(scene, among, (PAIRS / lights).clamp(1, 4096)));
         let coarse = LazyCell::new(|| clusters::of(scene, among, ENVIRONMENT_SPHERES));
         let bits = (CELLS / lights).max(1).ilog2();
-        let all: f64 = scene.lights.iter().map(power_of).sum();
+        let cones = LightCone::of_lights(scene);
+        let cone_of = |index: usize| cones.get(index).copied().flatten();
+        // Light that leaves outside of a cone meets nothing.
+        let within = |index: usize| cone_of(index).map_or(1.0, |cone| cone.share(&scene.lights[index]));
+        let all: f64 = scene.lights.iter().enumerate().map(|(index, light)| within(index) * power_of(light)).sum();
         let mut projection = Self { targets: Vec::new(), starts: Vec::new(), cells: Vec::new(), share: 0.0 };
         let (mut weights, mut shares, mut marked, mut counted, mut blocks) = (Vec::new(), Vec::new(), 0.0, 0.0, 0);
         for (index, light) in scene.lights.iter().enumerate() {
-            let power = power_of(light);
+            let power = within(index) * power_of(light);
             if !(power > 0.0) {
                 continue;
             }
@@ -224,15 +229,22 @@ impl ProjectionMap {
                 direction_bits,
                 ..ProjectionTarget::default()
             };
-            let end =
-                cells::mark(scene, light, (point_bits, direction_bits), disc, spheres, &mut blocks, &mut |cell| {
+            let end = cells::mark(
+                scene,
+                light,
+                (point_bits, direction_bits),
+                (disc, cone_of(index)),
+                spheres,
+                &mut blocks,
+                &mut |cell| {
                     projection.cells.push(cell);
                     target.count += 1;
                     // The same sum as for whole lights, so that the last cell gives the same result as all of
                     // them.
                     let share = (counted + counts(&target)) / all;
                     if share > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-                });
+                },
+            );
             if end.is_break() {
                 return Marking { projection, counted: f64::INFINITY, whole: false, blocks };
             }
@@ -248,7 +260,8 @@ impl ProjectionMap {
         projection.starts = light_cdf(&weights);
         for (index, target) in projection.targets.iter_mut().enumerate() {
             let light = &scene.lights[target.light as usize];
-            let factor = shares[index] / light_probability(&projection.starts, index);
+            let within = within(target.light as usize);
+            let factor = within * shares[index] / light_probability(&projection.starts, index);
             target.carried = light.power.map(|power| (f64::from(power) * factor) as f32);
         }
         let counted = if all > 0.0 { counted / all } else { 0.0 };
@@ -261,7 +274,7 @@ impl ProjectionMap {
         self.targets.is_empty()
     }
 
-    /// The share of the scene's power in marked cells: the rest causes no caustics.
+    /// The share in marked cells of the power that leaves towards the scene: the rest causes no caustics.
     #[must_use]
     pub fn share(&self) -> f64 {
         self.share
@@ -335,7 +348,8 @@ fn power_of(light: &Light) -> f64 {
 
 /// The share of an environment in the power of all lights.
 fn environment_share(scene: &SceneView<'_>) -> f64 {
-    let all: f64 = scene.lights.iter().map(power_of).sum();
+    let arriving = LightCone::arriving(scene);
+    let all: f64 = scene.lights.iter().zip(arriving).map(|(light, arriving)| arriving * power_of(light)).sum();
     let environments = scene.lights.iter().filter(|light| light.kind == Light::ENVIRONMENT);
     environments.map(power_of).sum::<f64>() / all.max(f64::MIN_POSITIVE)
 }

@@ -2,6 +2,7 @@
 
 use crate::scene::light::Light;
 use crate::scene::{SceneView, light_probability};
+use crate::shading::light_cone::LightCone;
 
 /// A light; all emissive triangles of one material count as one area light.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,7 +12,7 @@ pub struct LightShare {
     pub what: String,
     /// Number of entries in [`SceneView::lights`] that belong to it.
     pub lights: usize,
-    /// Its share of the scene's power, mean of RGB, in `[0, 1]`.
+    /// Its share of the power that leaves towards the scene, mean of RGB, in `[0, 1]`.
     pub power: f64,
     /// The probability that a light path starts at it, in `(0, 1]`.
     pub probability: f64,
@@ -38,11 +39,12 @@ impl LightShare {
 #[must_use]
 pub fn light_shares(scene: &SceneView<'_>) -> Vec<LightShare> {
     let mean = |light: &Light| light.power.iter().map(|&power| f64::from(power)).sum::<f64>() / 3.0;
-    let total: f64 = scene.lights.iter().map(mean).sum();
+    let arriving = LightCone::arriving(scene);
+    let total: f64 = scene.lights.iter().zip(&arriving).map(|(light, arriving)| arriving * mean(light)).sum();
     let mut shares: Vec<LightShare> = Vec::new();
     let mut area_lights: Vec<Option<usize>> = vec![None; scene.materials.len()];
     for (index, light) in scene.lights.iter().enumerate() {
-        let power = if total > 0.0 { mean(light) / total } else { 0.0 };
+        let power = if total > 0.0 { arriving[index] * mean(light) / total } else { 0.0 };
         let probability = light_probability(scene.light_cdf, index);
         let material = scene.primitives.get(light.primitive as usize).map(|primitive| primitive.material as usize);
         let known = material.and_then(|material| area_lights.get(material).copied().flatten());

@@ -18,6 +18,7 @@ pub mod gloss_caustics;
 pub mod glossy;
 pub(crate) mod interaction;
 pub(crate) mod layers;
+pub(crate) mod light_cone;
 pub mod light_sampler;
 pub mod light_tree;
 pub mod math;

@@ -131,7 +131,13 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
             if (weights == vec3(0.0)) continue;
         }
         // Behind an occluder, the point may be inside a solid, where no photon is stored.
-        bool is_open = away <= free && !hidden;
+        bool is_open = away <= free;
+        if (hidden) {
+            // Below what hides it, if nothing is between.
+            Surface between;
+            vec3 low = apex + normal * (0.5 * most_above - height);
+            is_open = !opaque(Ray(low, direction, away), between);
+        }
         if (!is_open && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
         found += weights;
         // The outer probe is skipped if no error moments are computed, and the image must not depend on it.

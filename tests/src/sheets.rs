@@ -161,16 +161,21 @@ pub fn d6_a_sheet_in_the_shade_is_dark<T: TestBackend>() {
     assert_agrees("end", moments(&lost).0, 0.5, standard_error(&lost), 1e-3);
 }
 
-/// D9: beside the edge of a board above, half of the disc is in its shadow. That half is surface too, although probes from
-/// above meet the board first. Within solids it is not: a box that stands there instead hides it, and what is left is as
+/// D9: beside the edge of a board or a sheet above, half of the disc is in its shadow. That half is surface too, although probes
+/// from above meet the board first. Within solids it is not: a box that stands there instead hides it, and what is left is as
 /// bright as all of it.
 pub fn d9_a_board_above_hides_no_area<T: TestBackend>() {
-    for (what, bottom, truth) in [("board", 0.3, 0.5), ("box", -0.3, 1.0)] {
+    for (what, bottom, truth) in [("board", 0.3, 0.5), ("sheet", APART, 0.5), ("box", -0.3, 1.0)] {
         let mut builder = SceneBuilder::new();
         let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
         builder.quad("floor", [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]], grey);
-        let (positions, triangles) = shapes::cuboid([-0.8, -0.8, bottom * REACH], [0.0, 0.8, APART * REACH]);
-        builder.mesh(what, positions, triangles, grey);
+        let (low, high) = (bottom * REACH, APART * REACH);
+        if low < high {
+            let (positions, triangles) = shapes::cuboid([-0.8, -0.8, low], [0.0, 0.8, high]);
+            builder.mesh(what, positions, triangles, grey);
+        } else {
+            builder.quad(what, [[-0.8, -0.8, high], [0.0, -0.8, high], [0.0, 0.8, high], [-0.8, 0.8, high]], grey);
+        }
         builder.light("sun", LightDesc::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
         look_at_point(&mut builder, [1e-5, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0, 1e-6);
         let found = shares::<T>(&builder.build().unwrap(), SHARE, Area::Surface, false);

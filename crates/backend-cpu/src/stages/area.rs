@@ -212,7 +212,13 @@ impl Disc<'_> {
                 };
                 let Some((_, surface)) = opaque_where::<ALPHA>(scene, down, above) else { continue };
                 let off = height_over(&surface).abs();
-                let is_open = away <= free && !hidden;
+                // Below what hides it, if nothing is between.
+                let is_open = if hidden {
+                    let low = from + normal * (0.5 * gather.max_plane_distance * radius);
+                    opaque::<ALPHA>(scene, Ray { origin: low, direction, t_max: away }).is_none()
+                } else {
+                    away <= free
+                };
                 if self.keeps(&surface) && (is_open || !enclosed::<ALPHA>(scene, &surface)) {
                     // The outer probe exists only if error moments are requested. It must not decide for the rings
                     // inside it, since the image must be the same either way.

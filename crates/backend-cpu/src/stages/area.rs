@@ -253,7 +253,7 @@ fn opaque<const ALPHA: bool>(scene: &CpuScene, ray: Ray) -> Option<(f32, Surface
     opaque_where::<ALPHA>(scene, ray, |_| false)
 }
 
-/// The same beyond surfaces that the ray `passes`.
+/// The nearest one beyond surfaces that the ray `passes`.
 fn opaque_where<const ALPHA: bool>(
     scene: &CpuScene,
     mut ray: Ray,

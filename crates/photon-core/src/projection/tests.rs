@@ -196,8 +196,8 @@ fn marking_ends_as_soon_as_the_answer_is_no() {
     assert!(12 * enough.blocks < all.blocks, "{} of {}", enough.blocks, all.blocks);
 }
 
-/// The mean power of aimed photons is the power in marked cells. The point light is outside, at the sine r/d of a cone around the
-/// scene, of which 1 % is room for rounding; the others are narrower.
+/// The mean power of aimed photons is the power in marked cells. The point light is outside, with a cone around the scene of the
+/// sine r/d, and a little room for rounding; the others are narrower.
 #[test]
 fn what_photons_carry_adds_up_to_the_share() {
     let tables = Tables::new();

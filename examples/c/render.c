@@ -43,11 +43,18 @@ int main(int argc, char **argv)
     PmView view = {sizeof view, NULL, 96, 64};
     uint32_t done = 0;
     float exposure;
+    char *end;
+    long passes;
     PmStatus status;
     char text[1000];
 
     if (argc < 4 || pm_abi() != PM_ABI) {
         fprintf(stderr, "usage: %s SCENE PASSES PICTURE.exr|.png|.film...\n", argv[0]);
+        return 2;
+    }
+    passes = strtol(argv[2], &end, 10);
+    if (*end != '\0' || passes < 1 || passes > 1000000) {
+        fprintf(stderr, "PASSES is %s, but must be a number from 1 to 1000000\n", argv[2]);
         return 2;
     }
     /* A file, or the name of a built-in scene. */
@@ -58,7 +65,7 @@ int main(int argc, char **argv)
     check(pm_renderer_new(scene, &view, "{\"photons\": 20000, \"errors\": true}", NULL, &renderer));
     pm_scene_free(scene);
     signal(SIGINT, interrupted);
-    status = pm_renderer_passes(renderer, 0, (uint32_t)strtoul(argv[2], NULL, 10), progress, NULL, &done);
+    status = pm_renderer_passes(renderer, 0, (uint32_t)passes, progress, NULL, &done);
     if (status != PM_STATUS_CANCELLED) /* which leaves the passes until then */
         check(status);
 

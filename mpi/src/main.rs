@@ -14,12 +14,11 @@ use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
 use photonmap_cli::args::{RenderArgs, set};
 use photonmap_cli::backend::{self, Chosen};
-use photonmap_cli::exposure::measured;
+use photonmap_cli::command::picture::Pictures;
 use photonmap_cli::fault::{self, Fault};
 use photonmap_cli::forecast_text::error_line;
 use photonmap_cli::outputs::Outputs;
-use photonmap_cli::png_file::{self, Picture};
-use photonmap_cli::{atomic_write, exr_file, load, signals, stderr};
+use photonmap_cli::{atomic_write, load, signals, stderr};
 use photonmap_mpi::{Checkpoints, Outcome, render};
 
 /// As `eprintln!`, which panics if nobody reads standard error.
@@ -41,6 +40,7 @@ fn main() -> ExitCode {
     };
     let world = universe.world();
     let command = RenderArgs::command().name("photonmap-mpi").about(ABOUT).long_about(ABOUT);
+    let command = REFUSED.iter().fold(command, |command, (_, id)| command.mut_arg(*id, |arg| arg.hide(true)));
     let matches = command.try_get_matches_from(set::expanded(std::env::args_os()));
     let args = match matches.and_then(|matches| RenderArgs::from_arg_matches(&matches)) {
         Ok(args) => args,
@@ -61,6 +61,8 @@ fn main() -> ExitCode {
         }
         Err(fault) => {
             say!("error: rank {}: {fault}", world.rank());
+            // The end of the other ranks may come back as a signal.
+            signals::end_silently();
             let code = if matches!(fault, Fault::Input(_)) { 2 } else { 1 };
             // The others may wait for this one.
             world.abort(code)
@@ -74,6 +76,15 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
     let settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
     check(args, &settings)?;
     let blocks = blocks(args, &settings)?;
+    // The files are those of rank 0, which ends all ranks if they cannot be written.
+    let checked = if world.rank() == 0 { Pictures::of(args).map(Some) } else { Ok(None) };
+    let mut goes_on = checked.is_ok();
+    world.process_at_rank(0).broadcast_into(&mut goes_on);
+    let pictures = checked?;
+    if !goes_on {
+        signals::end_silently();
+        return Ok(());
+    }
     let (scene, _) = load::scene(&args.scene)?;
     let view = args.settings.picture.view(&scene)?;
     let mut renderer = start(world, args, &scene, view, &settings)?;
@@ -98,7 +109,15 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
         (info.makers, film) = (known.makers, Some(found));
     }
     let Some(remaining) = first_of(world, remaining, blocks.target())? else {
-        return film.map_or(Ok(()), |film| pictures(args, &film));
+        let mut written = Outputs::default();
+        match (&pictures, &film) {
+            (Some(pictures), Some(film)) => pictures.write(film, &mut written),
+            _ => signals::end_silently(),
+        }
+        if written.any() {
+            say!("wrote {written}: all passes were in the film already");
+        }
+        return written.result();
     };
     let begun = Instant::now();
     let mut file = File { path: root, info, args, begun, written: begun, maker: &maker };
@@ -108,47 +127,58 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
         |_: &Event<'_>| if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let outcome = render(world, &mut *renderer, &remaining, identity, film, &mut observer, &mut file)?;
     // Only rank 0 says that it was interrupted, since mpirun ends all others at the first exit code above 0.
-    if world.rank() > 0 {
-        return Ok(());
-    }
+    let Some(pictures) = pictures else { return Ok(()) };
     let Outcome { film, passes, stopped, reached, .. } = outcome;
     let film = film.ok_or(Error::Cancelled)?;
     let mut written = Outputs::default();
-    if root.is_some() {
-        written.keep(file.write(&film));
+    if let Some(path) = root {
+        written.file(path, file.write(&film));
     }
-    written.keep(pictures(args, &film));
+    pictures.write(&film, &mut written);
     if let Some(reached) = &reached {
         say!("{}", error_line("result", reached));
     }
     let (ranks, seconds) = (world.size(), begun.elapsed().as_secs_f64());
-    let line = format!("{passes} passes on {ranks} ranks in {seconds:.1} s");
+    let line = format!("wrote {written}: {passes} passes on {ranks} ranks in {seconds:.1} s, {} in all", film.passes);
     if stopped {
-        written.keep(Err(Fault::Interrupted(format!("{line}, interrupted; the film has {}", film.passes))));
+        written.keep(Err(Fault::Interrupted(format!("{line}, interrupted"))));
     } else {
-        say!("{line}; the film has {}", film.passes);
+        say!("{line}");
     }
     written.result()
 }
 
 const PROGRAM: &str = concat!("photonmap-mpi ", env!("CARGO_PKG_VERSION"));
 
+/// Options that need a single process, with their names in [`RenderArgs`].
+const REFUSED: [(&str, &str); 8] = [
+    ("--time", "time"),
+    ("--total-photons", "total_photons"),
+    ("--memory", "memory"),
+    ("--json", "json"),
+    ("--preview", "preview"),
+    ("--serve", "serve"),
+    ("--tev", "tev"),
+    ("--show", "show"),
+];
+
 /// Refuses options that need a single process.
 fn check(args: &RenderArgs, settings: &Settings) -> Result<(), Fault> {
     let (budget, watch) = (&args.settings.budget, &args.watch);
-    let refused = [
-        ("--time", budget.time.is_some()),
-        ("--total-photons", budget.total_photons.is_some()),
-        ("--memory", args.machine.memory.is_some()),
-        ("--json", args.files.json.is_some()),
-        ("--preview", watch.preview.is_some()),
-        ("--serve", watch.serve.is_some()),
-        ("--tev", watch.tev.is_some()),
-        ("--show", watch.show),
-        ("--bandwidth per-pixel", settings.bandwidth == Bandwidth::PerPixel),
+    let given = [
+        budget.time.is_some(),
+        budget.total_photons.is_some(),
+        args.machine.memory.is_some(),
+        args.files.json.is_some(),
+        watch.preview.is_some(),
+        watch.serve.is_some(),
+        watch.tev.is_some(),
+        watch.show,
     ];
-    match refused.iter().find(|(_, given)| *given) {
-        Some((option, _)) => Err(Fault::input(format!(
+    let mut refused = REFUSED.iter().zip(given).filter_map(|((option, _), given)| given.then_some(*option));
+    let per_pixel = (settings.bandwidth == Bandwidth::PerPixel).then_some("--bandwidth per-pixel");
+    match refused.next().or(per_pixel) {
+        Some(option) => Err(Fault::input(format!(
             "{option}: is not possible on several ranks; leave it out, and give --passes or --target-error"
         ))),
         None => Ok(()),
@@ -211,21 +241,6 @@ fn first_of(
         None => blocks,
     };
     Ok(if end > start { Some(with_target(Blocks::new(start..end, grain)?)) } else { None })
-}
-
-/// Writes the pictures of the film, each whatever becomes of the others.
-fn pictures(args: &RenderArgs, film: &Film) -> Result<(), Fault> {
-    let mut written = Outputs::default();
-    for path in &args.files.output {
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
-            written.file(path, exr_file::write(path, film, args.files.transparent, &[]));
-        } else {
-            let picture = Picture::new(film, args.files.transparent);
-            let stops = args.files.exposure.stops(&measured(&picture.colours, &film.alpha()));
-            written.file(path, png_file::write(path, &picture, args.files.tonemap, stops));
-        }
-    }
-    written.result()
 }
 
 /// The film file of rank 0.

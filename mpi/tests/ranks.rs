@@ -98,6 +98,26 @@ fn any_number_of_ranks_stops_at_the_same_error() {
     }
 }
 
+/// Without a name, there is a picture named after the scene; names that cannot be written are refused before rendering, by one
+/// line of rank 0.
+#[test]
+fn pictures_are_checked_first_and_have_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |options: &[&str]| {
+        let mut command = mpirun(2, env!("CARGO_BIN_EXE_photonmap-mpi"));
+        command.args(["cornell", "--size", "8", "--passes", "2", "--photons", "500", "--backend", "cpu", "--threads", "1"]);
+        command.args(options).current_dir(folder.path()).output().unwrap()
+    };
+    let output = run(&[]);
+    assert!(output.status.success() && text(&output).contains("wrote cornell.png: 2 passes"), "{}", text(&output));
+    assert!(folder.path().join("cornell.png").exists());
+    for (name, why) in [("none/x.png", "there is no folder none"), ("x.jpg", "ends in .exr or .png")] {
+        let output = run(&["-o", name]);
+        let said = text(&output);
+        assert!(output.status.code() == Some(2) && said.contains(why) && !said.contains("interrupted"), "{said}");
+    }
+}
+
 /// Killed, the job leaves whole films, and the next one ends with the same bits.
 #[test]
 fn a_killed_job_is_continued() {

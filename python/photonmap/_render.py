@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 import os
 import time as clock
@@ -96,6 +97,8 @@ def render(
         passes = _whole("passes", passes, 2**32 - 2)
     elif time is None and target_error is None:
         passes = preset_passes(preset or DEFAULT_PRESET)
+    if time is not None and not 0 < number("time", time) < math.inf:
+        raise InputError(f"time is {time}, but must be above 0 and finite")
     error = None if target_error is None else (number("target_error", target_error), number("share", share))
     in_all = passes or 1
     in_blocks = film is not None or executor is not None or grain is not None or several

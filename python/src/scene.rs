@@ -7,7 +7,8 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use photonmap::scene::{
     AmbientMedium, CameraDesc, Dispersion, EnvironmentDesc, EnvironmentName, GridDesc, LightDesc, LoadOptions,
     LoadReport, MaterialDesc, MaterialId, Overrides, PhaseDesc, PhaseKeys, Projection, ReportKind, Scene, SceneBuilder,
-    Sun, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names, load_builder_with, summed_up,
+    Sun, TextureDesc, TextureId, ThinLens, VertexAttributes, builtin, builtin_names, did_you_mean, load_builder_with,
+    summed_up,
 };
 use pyo3::prelude::*;
 
@@ -70,10 +71,8 @@ impl RawBuilder {
     fn builtin(name: &str) -> PyResult<Self> {
         let builder = builtin(name).ok_or_else(|| {
             let names: Vec<&str> = builtin_names().iter().map(|(name, _)| *name).collect();
-            let list = names.join(", ");
-            Failure::input(format!(
-                "no built-in scene is called {name:?}; there are {list}, and files with an extension"
-            ))
+            let near = did_you_mean(name, names);
+            Failure::input(format!("{name:?} is neither a built-in scene nor a file with a known extension: {near}"))
         })?;
         Ok(Self { builder, report: LoadReport::default(), materials: Vec::new(), textures: Vec::new() })
     }

@@ -147,7 +147,12 @@ void visit(uint mode, uvec2 firsts) {
             EIGHT(widen, begin + part);
             rank_shrink();
         } else if (mode == COLLECT) {
-            EIGHT(TAKE_AT, begin + part);
+            // Eight copies of a reflection take long to compile and gain nothing.
+            if (SHADING >= REFLECTED) {
+                for (uint i = 0; i < 8; i++) TAKE_AT(begin + part + i);
+            } else {
+                EIGHT(TAKE_AT, begin + part);
+            }
             if (MODE != ROWS) moments_part_end();
         } else {
             EIGHT(NARROW_AT, begin + part);
@@ -155,7 +160,7 @@ void visit(uint mode, uvec2 firsts) {
     }
 }
 
-const uint VISIT_TURNS = TILE_POINTS / 8 * 2 + 1;
+const uint VISIT_TURNS = TILE_POINTS / 8 * (SHADING >= REFLECTED ? 11 : 2) + 1;
 #include "search/search_walk.glsl"
 
 // Loop iterations of a round besides those of its traversal, including an initial guess.

@@ -133,13 +133,18 @@ void visit(uint mode, uvec2 firsts) {
     for (uint place = end - TILE_POINTS; place < end; place += 8) {
         vec3 sum = vec3(0.0);
         if (ERROR_MOMENTS != 0) error_moments_eight_begin();
-        EIGHT(ADD, place);
+        // Eight copies of a reflection take long to compile and gain nothing.
+        if (SHADING >= REFLECTED) {
+            for (uint i = 0; i < 8; i++) ADD(place + i);
+        } else {
+            EIGHT(ADD, place);
+        }
         sum_add(flux, sum);
         if (ERROR_MOMENTS != 0) error_moments_eight_end();
     }
 }
 
-const uint VISIT_TURNS = TILE_POINTS / 8 + 1;
+const uint VISIT_TURNS = TILE_POINTS / 8 * (SHADING >= REFLECTED ? 10 : 1) + 1;
 #include "search/search_walk.glsl"
 
 void query_keep() {

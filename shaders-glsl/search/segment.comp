@@ -91,22 +91,16 @@ void add(uint place, inout vec3 sum) {
     }
 }
 
-#define ADD(place) add(place, sum)
-
 void visit(uint mode, uvec2 firsts) {
     uint end = (gl_SubgroupID + 1) * TILE_POINTS;
     for (uint place = end - TILE_POINTS; place < end; place += 8) {
         vec3 sum = vec3(0.0);
         if (ERROR_MOMENTS != 0) error_moments_eight_begin();
-        if (GRIDS) {
-            // Not unrolled, since each walks through a grid.
-            for (uint k = 0; k < 8; ++k) {
-                grid_turns = 0u;
-                add(place + k, sum);
-                if (TURNS != 0) turns += 1 + subgroupMax(grid_turns);
-            }
-        } else {
-            EIGHT(ADD, place);
+        // Not unrolled: a photon takes many instructions.
+        for (uint k = 0; k < 8; ++k) {
+            grid_turns = 0u;
+            add(place + k, sum);
+            if (TURNS != 0) turns += 1 + (GRIDS ? subgroupMax(grid_turns) : 0u);
         }
         sum_add(flux, sum);
         if (ERROR_MOMENTS != 0) error_moments_eight_end();

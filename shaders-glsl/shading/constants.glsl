@@ -148,6 +148,9 @@ const uint LOBE_DIFFUSE = 0u;
 const uint LOBE_SPECULAR_REFLECTION = 1u;
 const uint LOBE_SPECULAR_TRANSMISSION = 2u;
 
+// bsdf.
+const float NEGLIGIBLE_THROUGHPUT = 9.999999974752427e-7;
+
 // Fate; the maximum power of a path; one over the unit of flux in sums.
 const uint FATE_ABSORBED = 0u;
 const uint FATE_ESCAPED = 1u;

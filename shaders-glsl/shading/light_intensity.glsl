@@ -30,17 +30,25 @@ vec3 light_power_from_area(SceneRef scene, uint index, Light light, vec2 weights
     return power * ((light.flags & LIGHT_BOTH_SIDES) != 0 ? 0.5 : 1.0);
 }
 
+// Radiant intensity of a point or spot light against `direction`.
+vec3 light_intensity_of_point(Light light, vec3 direction) {
+    if ((FEATURES & FEATURE_SPOT_LIGHTS) == 0 || light.kind != LIGHT_SPOT) return light.power * 0.0795774715;
+    float off = sampling_versine(-direction, light.direction);
+    float falloff = spot_falloff(off, light.versine_inner, light.versine_outer);
+    return light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
+}
+
+// Factor from the power of an area light to its radiant intensity, as if emitted from one point, at a cosine to its normal.
+float light_lambert(float cosine) { return max(cosine * 0.318309886, 0.0); }
+
 // Radiant intensity of light `index`, not infinitely far away, against `direction`; of an area light that of its whole power, as
 // if emitted with a Lambertian cosine from the point.
 vec3 light_intensity(SceneRef scene, uint index, Light light, Target target, vec3 direction) {
-    if ((FEATURES & FEATURE_POINT_LIGHTS) != 0 && light.kind == LIGHT_POINT) return light.power * 0.0795774715;
-    if ((FEATURES & FEATURE_SPOT_LIGHTS) != 0 && light.kind == LIGHT_SPOT) {
-        float off = sampling_versine(-direction, light.direction);
-        float falloff = spot_falloff(off, light.versine_inner, light.versine_outer);
-        return light.power * (falloff / spot_solid_angle(light.versine_inner, light.versine_outer));
+    if ((FEATURES & FEATURE_AREA_LIGHTS) == 0 || light.kind != LIGHT_TRIANGLE) {
+        return light_intensity_of_point(light, direction);
     }
     float cosine = -dot3(direction, target.front);
-    return light_power_from_area(scene, index, light, target.weights, direction) * max(cosine * 0.318309886, 0.0);
+    return light_power_from_area(scene, index, light, target.weights, direction) * light_lambert(cosine);
 }
 
 #endif

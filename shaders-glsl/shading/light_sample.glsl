@@ -88,10 +88,8 @@ float light_sample_pdf(SceneRef scene, uint index, vec3 from, vec3 direction, fl
     return cosine > 0.0 ? far * far / (light.area * cosine) : 0.0;
 }
 
-// Samples a light as seen from `from`, a point just above the surface. Returns false if the light faces the other way. Unless the
-// normal is 0, directions to a nearby area light are roughly in proportion to the cosine to it; light_sample_pdf is without.
-bool light_sample(SceneRef scene, uint index, vec3 from, vec3 normal, uvec4 words, out LightSample found) {
-    Light light = scene.lights[index].at;
+// Samples light from infinity, that of a directional light or of the environment. Returns false for other lights.
+bool light_sample_far(SceneRef scene, Light light, vec3 from, uvec4 words, out LightSample found) {
     found = LightSample(Ray(from, vec3(0.0, 0.0, 1.0), 0.0), light.power, 1.0, 1.0, 0.0);
     if ((FEATURES & FEATURE_DIRECTIONAL_LIGHTS) != 0 && light.kind == LIGHT_DIRECTIONAL) {
         vec3 direction = -light.direction;
@@ -111,8 +109,17 @@ bool light_sample(SceneRef scene, uint index, vec3 from, vec3 normal, uvec4 word
         found.pdf = sky.pdf;
         return true;
     }
+    return false;
+}
+
+// Samples a light as seen from `from`, a point just above the surface. Returns false if the light faces the other way. Unless the
+// normal is 0, directions to a nearby area light are roughly in proportion to the cosine to it; light_sample_pdf is without.
+bool light_sample(SceneRef scene, uint index, vec3 from, vec3 normal, uvec4 words, out LightSample found) {
+    Light light = scene.lights[index].at;
+    if (light_sample_far(scene, light, from, words, found)) return true;
+    bool is_area = (FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE;
     Target target = Target(light.position, vec3(0.0), 0.0, vec2(0.0));
-    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE
+    if (is_area
         && !at_area_light(scene.emissions[index].at, light, from, normal, unit_f32(words.y), unit_f32(words.z), target)) {
         return false;
     }
@@ -121,18 +128,22 @@ bool light_sample(SceneRef scene, uint index, vec3 from, vec3 normal, uvec4 word
     float far = sqrt(square);
     vec3 direction = gap / far;
     found.ray = Ray(from, direction, far);
-    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && target.per_pdf > 0.0) {
+    if (!is_area) {
+        found.color = light_intensity_of_point(light, direction);
+        found.divisor = square;
+        return found.color != vec3(0.0);
+    }
+    found.color = light_power_from_area(scene, index, light, target.weights, direction);
+    if (target.per_pdf > 0.0) {
         // The radiance is the power divided by π and the area.
-        found.color = light_power_from_area(scene, index, light, target.weights, direction);
         found.factor = target.per_pdf * 0.318309886 / light.area;
         found.pdf = 1.0 / target.per_pdf;
         return true;
     }
+    float cosine = -dot3(direction, target.front);
+    found.color *= light_lambert(cosine);
     found.divisor = square;
-    found.color = light_intensity(scene, index, light, target, direction);
-    if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && light.kind == LIGHT_TRIANGLE) {
-        found.pdf = square / (light.area * -dot3(direction, target.front));
-    }
+    found.pdf = square / (light.area * cosine);
     return found.color != vec3(0.0);
 }
 

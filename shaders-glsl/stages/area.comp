@@ -87,8 +87,15 @@ float height_over(uint i, float radius) {
     return opaque(Ray(off_surface(push.queries[i].at.position, normal), normal, height), at) ? 0.5 * at.t : height;
 }
 
+// The ray that is traced next: from the apex along the spoke, down to the surface at a probe, below what hides the probe, or
+// up from its surface.
+const uint ALONG = 0u;
+const uint DOWN = 1u;
+const uint BELOW = 2u;
+const uint UP = 3u;
+
 // Weights of the probes of one spoke of query `i`: of those on the surface, and of all, for the first radius, √2 of it and
-// 1/√2 of it.
+// 1/√2 of it. All rays of a spoke are traced at one place in the code: at four it would take four times as long to compile.
 void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 found, inout vec3 all) {
     vec3 normal = push.queries[i].at.normal;
     vec3 tangent, bitangent;
@@ -99,49 +106,75 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
     uvec4 words = philox4x32(uvec4(key, 0u, push.pass, DOMAIN_AREA), push.seed);
     float turn = unit_f32(words.x), shift = unit_f32(words.y);
     vec3 apex = off_surface(push.queries[i].at.position, normal) + normal * height;
-    Surface at;
     float far = SECOND != 0 ? 1.41421356 * radius : radius;
     vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
     vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
-    float free = opaque(Ray(apex, direction, far), at) ? at.t : far;
+    float most_above = push.max_plane_distance * radius;
+    Ray ray = Ray(apex, direction, far);
+    uint next = ALONG;
+    float free = far, away = 0.0;
+    vec3 weights = vec3(0.0);
+    Surface at;
+    uint ring = AREA_RINGS + SECOND;
     // From the outermost probe inwards: if it lies on the surface and nothing is in the way, so do all inner ones.
     bool whole = false;
-    for (uint left = AREA_RINGS + SECOND; left > 0; left--) {
-        uint ring = left - 1;
-        bool outer = ring == AREA_RINGS;
-        float distance = outer ? area_outer_distance(spoke, shift) : area_probe(KERNEL, spoke, ring, shift);
-        vec3 weights = vec3(outer ? 0.0 : 1.0, 0.0, 0.0);
-        if (SECOND != 0) weights.yz = area_second_weights(KERNEL, distance);
-        all += weights;
-        if (whole) {
-            found += weights;
-            continue;
-        }
-        float away = distance * radius;
+    while (true) {
+        Surface met;
         bool hidden;
-        float most_above = push.max_plane_distance * radius;
-        if (!opaque_below(Ray(apex + direction * away, -normal, 2.0 * height), i, most_above, at, hidden)) continue;
-        Material material = push.scene.materials[at.material].at;
-        bool keeps = REFLECTIONS ? material.kind == MATERIAL_GLOSSY : material_stores_photons(material);
-        if (!keeps || dot3(at.normal, normal) < push.min_cosine) continue;
-        if (FLAT != 0) {
-            float off = abs(dot3(at.point - push.queries[i].at.position, normal));
-            vec3 most = push.max_plane_distance * (vec3(1.0, 1.41421356, 0.70710678) * radius);
-            weights *= vec3(lessThanEqual(vec3(off), most));
-            if (weights == vec3(0.0)) continue;
+        bool meets = opaque_below(ray, i, next == DOWN ? most_above : NO_LIMIT, met, hidden);
+        bool counts = false;
+        if (next == ALONG) {
+            if (meets) free = met.t;
+        } else if (next == DOWN) {
+            at = met;
+            if (meets) {
+                Material material = push.scene.materials[at.material].at;
+                bool keeps = REFLECTIONS ? material.kind == MATERIAL_GLOSSY : material_stores_photons(material);
+                counts = keeps && !(dot3(at.normal, normal) < push.min_cosine);
+            }
+            if (FLAT != 0 && counts) {
+                float off = abs(dot3(at.point - push.queries[i].at.position, normal));
+                vec3 most = push.max_plane_distance * (vec3(1.0, 1.41421356, 0.70710678) * radius);
+                weights *= vec3(lessThanEqual(vec3(off), most));
+                counts = weights != vec3(0.0);
+            }
+            if (counts && hidden) {
+                // Below what hides it, if nothing is between.
+                vec3 low = apex + normal * (0.5 * most_above - height);
+                ray = Ray(low, direction, away);
+                next = BELOW;
+                continue;
+            }
+        } else if (next == BELOW) {
+            counts = true;
+        } else {
+            counts = !meets || met.front;
         }
         // Behind an occluder, the point may be inside a solid, where no photon is stored.
-        bool is_open = away <= free;
-        if (hidden) {
-            // Below what hides it, if nothing is between.
-            Surface between;
-            vec3 low = apex + normal * (0.5 * most_above - height);
-            is_open = !opaque(Ray(low, direction, away), between);
+        if (counts && (next == DOWN ? !(away <= free) : next == BELOW && meets)) {
+            ray = Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT);
+            next = UP;
+            continue;
         }
-        if (!is_open && opaque(Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT), at) && !at.front) continue;
-        found += weights;
-        // The outer probe is skipped if no error moments are computed, and the image must not depend on it.
-        whole = ring < AREA_RINGS && FLAT == 0 && away <= free;
+        if (counts) {
+            found += weights;
+            // The outer probe is skipped if no error moments are computed, and the image must not depend on it.
+            whole = ring < AREA_RINGS && FLAT == 0 && away <= free;
+        }
+        float distance;
+        do {
+            if (ring == 0u) return;
+            --ring;
+            bool outer = ring == AREA_RINGS;
+            distance = outer ? area_outer_distance(spoke, shift) : area_probe(KERNEL, spoke, ring, shift);
+            weights = vec3(outer ? 0.0 : 1.0, 0.0, 0.0);
+            if (SECOND != 0) weights.yz = area_second_weights(KERNEL, distance);
+            all += weights;
+            if (whole) found += weights;
+        } while (whole);
+        away = distance * radius;
+        ray = Ray(apex + direction * away, -normal, 2.0 * height);
+        next = DOWN;
     }
 }
 

@@ -115,13 +115,20 @@ uint wavelength_of(Path path) {
     return NO_WAVELENGTH;
 }
 
-// Whether a path that is to go on has met as many surfaces as it may, or is trapped; it is counted.
+// Throughput of radiance that arrives in a stack of media: its contribution at the camera.
+vec3 seen_through(Path path, uint media) {
+    if (!GLASS) return path.throughput;
+    return path.throughput * radiance_scale(push.scene, push.camera.at.media, media, wavelength_of(path));
+}
+
+// Whether a path that is to go on has met as many surfaces as it may, or is trapped; it is counted if light is missing.
 bool truncates(Path path) {
     uint total = path.total;
     if (DISPERSION) total &= 0xFFFFu;
     bool is_trapped = GLASS && total > most_total_reflections(push.max_bounces);
     if (path.surfaces < push.max_bounces && !is_trapped) return false;
-    count_one(push.truncated);
+    vec3 left = path.throughput;
+    if (max(max(left.x, left.y), left.z) >= NEGLIGIBLE_THROUGHPUT) count_one(push.truncated);
     return true;
 }
 
@@ -270,11 +277,17 @@ void main() {
         if (RANDOM_SURFACES) word = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces).w;
         alive = nearest(push.scene, path.ray, word, hit);
         bool escaped = !alive;
-        if (alive) {
-            Surface at = surface_met(push.scene, path.ray.direction, hit, word);
-            Material material = push.scene.materials[at.material].at;
-            vec3 normal = at.normal;
-            Layers layers = layers_none();
+        Surface at;
+        Material material;
+        vec3 normal;
+        Layers layers = layers_none();
+        Interface sides;
+        sides.before = path.media;
+        float end = NO_LIMIT;
+        if (!escaped) {
+            at = surface_met(push.scene, path.ray.direction, hit, word);
+            material = push.scene.materials[at.material].at;
+            normal = at.normal;
             if (SHADED) normal = shade(push.scene, at, hit, material, layers);
             if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
             if (path.surfaces == 0 && POINTS) {
@@ -286,25 +299,29 @@ void main() {
                 first.albedo = hits == 0 ? material.albedo : first.albedo + material.albedo;
                 first.hits = hits + 1;
             }
-            Interface sides = media_interface(push.scene, material, at.front, path.media);
-            if (SEGMENTS != 0u) {
-                leave_segments(path, pixel, sides.before, at.t, -at.normal, reservoir, found);
-                path.reflected_normal = at.normal;
-            }
-            if (may_attenuate(sides.before)) {
-                path.throughput *= transmittance(push.scene, path.ray, at.t, sides.before);
-            }
-            if (DISPERSION && media_is_dispersive(push.scene, sides)) {
-                uint key = (pixel << PATHS_LOG2) + path.branch;
-                uint drawn = wavelength_word(push.seed, push.pass, domain, key, 0u);
-                uint wavelength = wavelength_of(path);
-                media_disperse(push.scene, sides, wavelength, path.throughput, drawn);
-                path.total = path.total & 0xFFFFu | wavelength << 16;
-            }
+            sides = media_interface(push.scene, material, at.front, path.media);
+            end = at.t;
+        }
+        if (SEGMENTS != 0u) {
+            leave_segments(path, pixel, sides.before, end, escaped ? path.ray.direction : -at.normal, reservoir, found);
+            if (!escaped) path.reflected_normal = at.normal;
+        }
+        if ((!escaped || BOUNDARIES && POINTS) && may_attenuate(sides.before)) {
+            path.throughput *= transmittance(push.scene, path.ray, end, sides.before);
+        }
+        if (DISPERSION && !escaped && media_is_dispersive(push.scene, sides)) {
+            uint key = (pixel << PATHS_LOG2) + path.branch;
+            uint drawn = wavelength_word(push.seed, push.pass, domain, key, 0u);
+            uint wavelength = wavelength_of(path);
+            media_disperse(push.scene, sides, wavelength, path.throughput, drawn);
+            path.total = path.total & 0xFFFFu | wavelength << 16;
+        }
+        // The factor from radiance that arrives along the ray to its contribution at the camera.
+        vec3 seen = seen_through(path, sides.before);
+        if (!escaped) {
             if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && POINTS && material.emission != vec3(0.0)
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
-                vec3 throughput = path.throughput;
-                if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before, wavelength_of(path));
+                vec3 throughput = seen;
                 if (FOLLOWED && weighs_lights(path)) {
                     throughput *= found_share(path, light_of_triangle(push.scene, hit.primitive), at.t);
                 }
@@ -318,34 +335,42 @@ void main() {
                 offset = shadow_terminator_at(push.scene, hit, at, word);
             }
             uint rule = scattering_at(material, sides);
+            Glossy glossy;
+            RoughGlass glass;
             if (GLOSSY && rule == SCATTERING_GLOSSY) {
-                vec3 seen = path.throughput;
-                if (GLASS) seen *= radiance_scale(push.scene, push.camera.at.media, sides.before, wavelength_of(path));
-                Glossy glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, false);
+                glossy = glossy_at(push.scene, material, layers, at.cosine, -path.ray.direction, false);
+            } else if (ROUGH_GLASS && rule == SCATTERING_ROUGH_GLASS) {
+                glass = rough_glass_new(push.scene, material, at.cosine, sides);
+            }
+            if (FOLLOWED && POINTS && rule != SCATTERING_SIMPLE) {
+                Surface lit = lit_surface(at, normal, offset);
+                Side side = Side(lit.start, lit.normal, normal, sides.before, 1.0);
+                if (ROUGH_GLASS && rule == SCATTERING_ROUGH_GLASS) {
+                    side = rough_glass_lit_side(path, pixel, at, offset, normal, sides, glass);
+                }
+                uvec4 random = words(pixel, path.branch, BLOCK_LIGHTS + path.surfaces);
+                emission += seen_through(path, side.media) * sampled_light(path, random, side, normal, rule, glossy, glass);
+            }
+            if (GLOSSY && rule == SCATTERING_GLOSSY) {
                 if (ALL_LIGHTS) {
                     float least = uintBitsToFloat(CAUSTIC_ROUGHNESS);
                     path.shows_all = gloss_caustics_narrowest(material, layers) >= least;
                 }
                 Leaves leaves;
-                if (SEGMENTS != 0u) {
-                    leaves = leaves_none();
-                } else if (REFLECTIONS && ALL_LIGHTS && !MARKED && !path.shows_all) {
+                if (SEGMENTS != 0u || (REFLECTIONS && ALL_LIGHTS && !MARKED && !path.shows_all)) {
                     leaves = leaves_none();
                 } else if (REFLECTIONS) {
                     leaves = leaves_reflection(material, layers, glossy, normal, seen);
                 } else {
-                    emission += seen * light_reflection(path, pixel, lit_surface(at, normal, offset), normal, sides.before, glossy);
                     leaves = leaves_base(glossy, sides.before, seen);
                 }
                 alive = reflect_path(path, pixel, at, offset, normal, sides.before, glossy, leaves, found);
             } else if (ROUGH_GLASS && rule == SCATTERING_ROUGH_GLASS) {
-                alive = meet_rough_glass(path, pixel, at, offset, normal, material, sides, emission);
+                alive = scatter_path(path, pixel, at, offset, normal, sides, glass);
             } else {
                 Bsdf bsdf = bsdf_new(material, at.cosine, sides);
                 if (bsdf.kind == MATERIAL_LAMBERT) {
-                    vec3 throughput = path.throughput;
-                    if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, sides.before, wavelength_of(path));
-                    throughput = throughput * bsdf.albedo * 0.318309886;
+                    vec3 throughput = seen * bsdf.albedo * 0.318309886;
                     uvec2 media_coat = uvec2(sides.before, 0u);
                     if (POINTS) leave_query(path, pixel, at, offset, normal, media_coat, 0u, throughput, found);
                     alive = false;
@@ -360,29 +385,19 @@ void main() {
                     }
                 }
             }
-        }
-        if (SEGMENTS != 0u && escaped) {
-            leave_segments(path, pixel, path.media, NO_LIMIT, path.ray.direction, reservoir, found);
-        }
-        if (BOUNDARIES && escaped && POINTS && may_attenuate(path.media)) {
-            path.throughput *= transmittance(push.scene, path.ray, NO_LIMIT, path.media);
-        }
-        if (ENVIRONMENT && escaped && POINTS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
-            vec3 throughput = path.throughput;
-            if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media, wavelength_of(path));
-            if (FOLLOWED && weighs_lights(path)) {
-                // It is among the last lights.
-                uint index = push.scene.light_count;
-                while (index > 0u && push.scene.lights[index - 1u].at.kind != LIGHT_ENVIRONMENT) --index;
-                throughput *= found_share(path, index > 0u ? index - 1u : NO_LIGHT, 0.0);
+        } else if (POINTS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
+            if (ENVIRONMENT) {
+                vec3 throughput = seen;
+                if (FOLLOWED && weighs_lights(path)) {
+                    // It is among the last lights.
+                    uint index = push.scene.light_count;
+                    while (index > 0u && push.scene.lights[index - 1u].at.kind != LIGHT_ENVIRONMENT) --index;
+                    throughput *= found_share(path, index > 0u ? index - 1u : NO_LIGHT, 0.0);
+                }
+                emission += throughput * environment_radiance(push.scene, path.ray.direction);
             }
-            emission += throughput * environment_radiance(push.scene, path.ray.direction);
-        }
-        // Shadow rays and photons find the sun for paths with glossy surfaces.
-        if (SUN && escaped && POINTS && !(HIDES_BACKGROUND && path.surfaces == 0) && path.reflected_pdf == 0.0) {
-            vec3 throughput = path.throughput;
-            if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, path.media, wavelength_of(path));
-            emission += throughput * sun_radiance(push.scene, path.ray.direction);
+            // Shadow rays and photons find the sun for paths with glossy surfaces.
+            if (SUN && path.reflected_pdf == 0.0) emission += seen * sun_radiance(push.scene, path.ray.direction);
         }
         if (!alive && waits > 0) {
             waits--;

@@ -4,6 +4,7 @@
 
 #include "shading/glossy.glsl"
 #include "shading/reflection_lobe.glsl"
+#include "shading/rough_glass.glsl"
 #include "shading/light_sample.glsl"
 #include "shading/light_sampler.glsl"
 
@@ -24,21 +25,39 @@ float found_share(Path path, uint index, float far) {
     return balance(path.reflected_pdf, pdf * chosen);
 }
 
-// The light that a shadow ray from a glossy surface finds, as its reflection shows it: radiance.
-vec3 light_reflection(Path path, uint pixel, Surface at, vec3 normal, uint media, Glossy glossy) {
+// The side of a surface on which a shadow ray starts.
+struct Side {
+    vec3 start;
+    // Geometric and shading normal on that side.
+    vec3 geometric;
+    vec3 shading;
+    uint media;
+    // Of choosing this side.
+    float probability;
+};
+
+// The light that a shadow ray from glossy surfaces or rough glass finds, as `rule` scatters it to the path: radiance. `normal` is
+// the shading normal on the side of the path.
+vec3 sampled_light(Path path, uvec4 random, Side side, vec3 normal, uint rule, Glossy glossy, RoughGlass glass) {
     if (push.scene.light_count == 0u) return vec3(0.0);
-    uvec4 random = words(pixel, path.branch, BLOCK_LIGHTS + path.surfaces);
-    LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, at.start, at.normal);
+    LightSampler light_sampler = light_sampler_at(push.scene, WEIGHED, side.start, side.geometric);
     float share;
     uint index = light_sampler_pick(push.scene, light_sampler, random.xw, share);
     LightSample found;
-    if (!light_sample(push.scene, index, off_surface(at.start, at.normal), vec3(0.0), random, found)) return vec3(0.0);
+    vec3 from = off_surface(side.start, side.geometric);
+    if (!light_sample(push.scene, index, from, vec3(0.0), random, found)) return vec3(0.0);
     vec3 direction = found.ray.direction;
-    Reflected reflected = glossy_evaluate(push.scene, glossy, -path.ray.direction, direction, normal);
-    vec3 value = light_sample_times(found, glossy_limited(direction, at.normal, normal)) * reflected.value;
+    Reflected scattered = Reflected(vec3(0.0), 0.0);
+    if (GLOSSY && rule == SCATTERING_GLOSSY) {
+        scattered = glossy_evaluate(push.scene, glossy, -path.ray.direction, direction, normal);
+    } else if (ROUGH_GLASS) {
+        scattered = rough_glass_evaluate(push.scene, glass, -path.ray.direction, direction, normal);
+    }
+    vec3 value = light_sample_times(found, glossy_limited(direction, side.geometric, side.shading)) * scattered.value;
     if (!(glossy_greatest(value) > 0.0) || occluded(push.scene, found.ray, random.w)) return vec3(0.0);
-    if (may_attenuate(media)) value *= transmittance(push.scene, found.ray, found.ray.t_max, media);
-    return value * (balance(found.pdf * share, reflected.pdf) / share);
+    if (may_attenuate(side.media)) value *= transmittance(push.scene, found.ray, found.ray.t_max, side.media);
+    share *= side.probability;
+    return value * (balance(found.pdf * share, scattered.pdf) / share);
 }
 
 // The query that a path leaves at a glossy surface.

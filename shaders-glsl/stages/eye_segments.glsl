@@ -61,8 +61,7 @@ void leave_segment(
 void leave_segments(
     Path path, uint pixel, uint media, float end, vec3 plane, inout Reservoir reservoir, inout uint found
 ) {
-    vec3 throughput = path.throughput;
-    if (GLASS) throughput *= radiance_scale(push.scene, push.camera.at.media, media, wavelength_of(path));
+    vec3 throughput = seen_through(path, media);
     vec3 start = path.reflected_normal;
     if (dot3(start, path.ray.direction) < 0.0) start = -start;
     Stretches all = stretches_begin(push.scene, path.ray, end, media);

@@ -99,57 +99,59 @@ bool sample_evenly(uint index, Light light, uvec2 point, out Target target) {
 bool sees_grid;
 Columns columns;
 
-// Radiance at the start of a segment that is scattered beyond a column of it, of `light` that arrives along a shadow ray.
-vec3 scattered_at(Segment segment, float column, Ray ray, vec3 light, uint alpha) {
-    if (light == vec3(0.0) || occluded(push.scene, ray, alpha)) return vec3(0.0);
-    Medium medium = media_medium(push.scene, segment.media);
-    float phase = phase_value(phase_of(medium), ray.direction, segment.direction);
-    vec3 passes = medium_transmittance(medium, column) * transmittance(push.scene, ray, ray.t_max, segment.media);
-    return light * medium.scattering * passes * phase;
-}
-
-// Radiance by way of a place on the segment, chosen by `choice`, and a point on a light, over the density of both.
+// Radiance at the start of a segment by way of a place on it, chosen by `choice`, and a point on a light, over the density of
+// both.
 vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alpha) {
     Light light = push.scene.lights[index].at;
-    vec3 extinction = medium_extinction(media_medium(push.scene, segment.media));
-    precise float mean = flight_total(extinction) / 3.0;
+    Medium medium = media_medium(push.scene, segment.media);
+    precise float mean = flight_total(medium_extinction(medium)) / 3.0;
     float whole = sees_grid ? columns_total() : segment.far;
     Target target;
-    if (!sample_evenly(index, light, point, target)) {
-        float far = exponential_sample(mean, whole, choice);
-        if (sees_grid) far = columns_place(columns, far);
-        float column = sees_grid ? columns_to(columns, far) : far;
-        if (sees_grid && !(columns_density(columns, far) > 0.0)) return vec3(0.0);
-        precise vec3 from = segment.origin + segment.direction * far;
-        LightSample found;
-        if (!light_sample(push.scene, index, from, vec3(0.0), uvec4(0u, point, 0u), found)) return vec3(0.0);
-        // The local density is that of places too.
-        vec3 value = light_sample_times(found, 1.0) / exponential_density(mean, whole, column);
-        return scattered_at(segment, column, found.ray, value, alpha);
+    bool is_near = sample_evenly(index, light, point, target);
+    Equiangular angles;
+    // One half by the angle seen from the light, one half by the transmittance (balance heuristic); by the latter alone for light
+    // from infinity.
+    bool by_angle = is_near && choice < 0.5;
+    if (is_near) {
+        angles = equiangular_new(segment.origin, segment.direction, segment.far, target.to);
+        choice = by_angle ? 2.0 * choice : 2.0 * choice - 1.0;
     }
-    Equiangular angles = equiangular_new(segment.origin, segment.direction, segment.far, target.to);
-    // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
     float far = 0.0;
-    if (choice < 0.5) {
-        far = min(equiangular_sample(angles, 2.0 * choice), segment.far);
+    if (by_angle) {
+        far = min(equiangular_sample(angles, choice), segment.far);
     } else {
-        far = exponential_sample(mean, whole, 2.0 * choice - 1.0);
+        far = exponential_sample(mean, whole, choice);
         if (sees_grid) far = columns_place(columns, far);
     }
     float column = sees_grid ? columns_to(columns, far) : far;
     float local = sees_grid ? columns_density(columns, far) : 1.0;
-    if (local == 0.0) return vec3(0.0);
-    float density = 0.5 * (equiangular_density(angles, far) + local * exponential_density(mean, whole, column));
+    if (!(local > 0.0)) return vec3(0.0);
+    float density = exponential_density(mean, whole, column);
     precise vec3 from = segment.origin + segment.direction * far;
-    if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(target.front, from - target.to) < 0.0) target.front = -target.front;
-    if (light.kind == LIGHT_TRIANGLE) target.to = off_surface(target.to, target.front);
-    precise vec3 gap = target.to - from;
-    float square = dot3(gap, gap);
-    if (!(square > 0.0)) return vec3(0.0);
-    float away = sqrt(square);
-    precise vec3 direction = gap / away;
-    vec3 intensity = light_intensity(push.scene, index, light, target, direction);
-    return scattered_at(segment, column, Ray(from, direction, away), intensity * (local / (square * density)), alpha);
+    Ray ray;
+    vec3 arrives;
+    if (is_near) {
+        density = 0.5 * (equiangular_density(angles, far) + local * density);
+        if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(target.front, from - target.to) < 0.0) target.front = -target.front;
+        if (light.kind == LIGHT_TRIANGLE) target.to = off_surface(target.to, target.front);
+        precise vec3 gap = target.to - from;
+        float square = dot3(gap, gap);
+        if (!(square > 0.0)) return vec3(0.0);
+        float away = sqrt(square);
+        precise vec3 direction = gap / away;
+        ray = Ray(from, direction, away);
+        arrives = light_intensity(push.scene, index, light, target, direction) * (local / (square * density));
+    } else {
+        LightSample found;
+        light_sample_far(push.scene, light, from, uvec4(0u, point, 0u), found);
+        ray = found.ray;
+        // The local density is that of places too.
+        arrives = light_sample_times(found, 1.0) / density;
+    }
+    if (arrives == vec3(0.0) || occluded(push.scene, ray, alpha)) return vec3(0.0);
+    float phase = phase_value(phase_of(medium), ray.direction, segment.direction);
+    vec3 passes = medium_transmittance(medium, column) * transmittance(push.scene, ray, ray.t_max, segment.media);
+    return arrives * medium.scattering * passes * phase;
 }
 
 void main() {

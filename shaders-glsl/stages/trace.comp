@@ -262,28 +262,35 @@ bool is_sane(Path path) {
 
 // Processes one surface, or a collision before it; returns how the path ended there, or FATE_NONE.
 uint step_path(inout Path path, Hit hit) {
-    if (hit.primitive == NO_PRIMITIVE) {
-        if (SCATTERING) return leave_scene(path);
-        return FATE_ESCAPED;
-    }
-    Surface at = surface_met(push.scene, path.ray.direction, hit, layer(path));
-    Material material = push.scene.materials[at.material].at;
-    bool stores = material_stores_photons(material);
+    bool escapes = hit.primitive == NO_PRIMITIVE;
+    if (!SCATTERING && escapes) return FATE_ESCAPED;
+    Surface at;
+    Material material;
+    bool stores = false;
     float coverage = 1.0;
-    if (ALPHA) coverage = alpha_coverage_at(push.scene, material, hit.slot, hit.u, hit.v);
-    if (PARTIAL_TRANSMISSION) coverage *= 1.0 - partial_share_at(push.scene, material, hit.slot, hit.u, hit.v);
-    vec3 normal = at.normal;
+    vec3 normal;
     Layers layers = layers_none();
-    if (SHADED) {
-        normal = shade(push.scene, at, hit, material, layers);
+    Interface sides;
+    sides.before = path.media;
+    float end = NO_LIMIT;
+    if (!escapes) {
+        at = surface_met(push.scene, path.ray.direction, hit, layer(path));
+        material = push.scene.materials[at.material].at;
+        stores = material_stores_photons(material);
+        if (ALPHA) coverage = alpha_coverage_at(push.scene, material, hit.slot, hit.u, hit.v);
+        if (PARTIAL_TRANSMISSION) coverage *= 1.0 - partial_share_at(push.scene, material, hit.slot, hit.u, hit.v);
+        normal = at.normal;
+        if (SHADED) normal = shade(push.scene, at, hit, material, layers);
+        if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
+        sides = media_interface(push.scene, material, at.front, path.media);
+        end = at.t;
     }
-    if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
-    Interface sides = media_interface(push.scene, material, at.front, path.media);
     if (SCATTERING) {
-        uint crossing = fly(path, sides.before, at.t);
+        uint crossing = fly(path, sides.before, end);
         if (crossing != CROSSING_PASSES) return after_collision(crossing, path.collisions);
+        if (escapes) return FATE_ESCAPED;
     } else if (may_attenuate(sides.before)) {
-        path.power = photon_times(path.power, transmittance(push.scene, path.ray, at.t, sides.before));
+        path.power = photon_times(path.power, transmittance(push.scene, path.ray, end, sides.before));
     }
     if (DISPERSION && media_is_dispersive(push.scene, sides)) {
         Sampler s = path.numbers;

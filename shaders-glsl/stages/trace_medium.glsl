@@ -121,10 +121,4 @@ uint after_collision(uint crossing, uint collisions) {
     return collisions > FLIGHT_MAX_COLLISIONS ? FATE_TRUNCATED : FATE_NONE;
 }
 
-// How a path that meets no surface ends, or FATE_NONE if it collides before it is too far away.
-uint leave_scene(inout Path path) {
-    uint crossing = fly(path, path.media, NO_LIMIT);
-    return crossing == CROSSING_PASSES ? FATE_ESCAPED : after_collision(crossing, path.collisions);
-}
-
 #endif

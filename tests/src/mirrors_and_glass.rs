@@ -118,6 +118,9 @@ pub fn cut_paths_are_counted<T: TestBackend>() {
     for (material, max_bounces, lost) in [
         (MaterialDesc::mirror("mirror", [1.0; 3]), 1, pixels),
         (MaterialDesc::mirror("mirror", [1.0; 3]), 5, pixels),
+        // Nothing is missed where hardly any light is left.
+        (MaterialDesc::mirror("dark mirror", [0.01; 3]), 1, pixels),
+        (MaterialDesc::mirror("dark mirror", [0.01; 3]), 5, 0),
         (MaterialDesc::metal("metal", [1.0; 3], 0.5), 1, pixels),
         (MaterialDesc::thin("pane", 1.5), 1, pixels),
         (MaterialDesc::new("rough glass", rough), 1, pixels),

@@ -22,14 +22,20 @@ pub fn gpus() -> Result<Vec<String>, String> {
 /// # Errors
 /// The devices in words, and what each lacks.
 pub fn prefers_gpu() -> Result<(), String> {
-    let found = devices().map_err(|error| why_not(&error))?;
-    worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>())?;
-    let preferred = preferred().map_err(|error| why_not(&error))?;
-    // The user may have selected a software device.
-    if preferred.kind == SOFTWARE {
-        return Err(format!("{DEVICE} selects {}, which is a software driver", preferred.name));
+    if is_selected() {
+        let selected = preferred().map_err(|error| why_not(&error))?;
+        if selected.kind == SOFTWARE {
+            return Err(format!("{DEVICE} selects {}, which is a software driver", selected.name));
+        }
+        return Ok(());
     }
-    Ok(())
+    let found = devices().map_err(|error| why_not(&error))?;
+    worth_it(&found.iter().map(Summary::from).collect::<Vec<_>>())
+}
+
+/// Whether the user selected a device.
+fn is_selected() -> bool {
+    std::env::var_os(DEVICE).is_some_and(|value| !value.is_empty())
 }
 
 /// Opens the device that the user selected by PHOTON_VK_DEVICE, of whatever kind, else a GPU: without a selection never a
@@ -38,7 +44,7 @@ pub fn prefers_gpu() -> Result<(), String> {
 /// # Errors
 /// The devices in words, and what each lacks.
 pub fn requested_gpu() -> Result<Vulkan, String> {
-    if std::env::var_os(DEVICE).is_none_or(|value| value.is_empty()) {
+    if !is_selected() {
         prefers_gpu()?;
     }
     Vulkan::new().map_err(|error| chain(&error))

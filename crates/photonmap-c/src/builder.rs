@@ -6,7 +6,7 @@ use std::path::Path;
 use photonmap::scene::{
     AmbientMedium, CameraDesc, Dispersion, EnvironmentName, GridDesc, LightDesc, LoadOptions, LoadReport, MaterialDesc,
     MaterialId, Overrides, PhaseDesc, Projection, SceneBuilder, Surface, ThinLens, VertexAttributes, builtin,
-    builtin_names, load_builder_with,
+    builtin_names, did_you_mean, load_builder_with,
 };
 
 use crate::describe::{
@@ -38,10 +38,8 @@ impl PmBuilder {
     pub(crate) fn built_in(name: &str) -> Result<Self> {
         let Some(scene) = builtin(name) else {
             let names: Vec<&str> = builtin_names().iter().map(|(name, _)| *name).collect();
-            return Err(Fault::argument(format!(
-                "no built-in scene is called {name:?}; there are {}",
-                names.join(", ")
-            )));
+            let near = did_you_mean(name, names);
+            return Err(Fault::argument(format!("no built-in scene is called {name:?}: {near}")));
         };
         Ok(Self { scene, ..Self::default() })
     }

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use crate::fault::{Fault, INTERRUPTED};
 
@@ -19,6 +20,7 @@ static LOADING: AtomicBool = AtomicBool::new(false);
 pub fn end_while_loading() -> Result<(), Fault> {
     static INSTALLED: Mutex<bool> = Mutex::new(false);
     let mut installed = INSTALLED.lock().unwrap_or_else(PoisonError::into_inner);
+    *FIRST.lock().unwrap_or_else(PoisonError::into_inner) = None;
     REQUESTED.store(false, Ordering::SeqCst);
     LOADING.store(true, Ordering::SeqCst);
     if !*installed {
@@ -34,13 +36,32 @@ pub fn stop() -> &'static AtomicBool {
     &REQUESTED
 }
 
-/// Handles a signal, on a thread of its own. The second one ends the program even if there is something to write.
+/// Ends the program at the next signal without a line: why it ends is said already.
+pub fn end_silently() {
+    SILENT.store(true, Ordering::SeqCst);
+}
+
+static SILENT: AtomicBool = AtomicBool::new(false);
+
+/// The time of the first signal.
+static FIRST: Mutex<Option<Instant>> = Mutex::new(None);
+
+/// Signals so soon after the first one are the same request: `timeout` and systemd send two.
+const SAME_REQUEST: Duration = Duration::from_secs(1);
+
+/// Handles a signal, on a thread of its own. A second one, at least [`SAME_REQUEST`] later, ends the program even if there is
+/// something to write.
 fn on_signal() {
+    if SILENT.load(Ordering::SeqCst) {
+        system::exit(INTERRUPTED.into());
+    }
     if LOADING.load(Ordering::SeqCst) {
         say!("interrupted while loading; nothing was written");
         system::exit(INTERRUPTED.into());
     }
-    if REQUESTED.swap(true, Ordering::SeqCst) {
+    let first = *FIRST.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(Instant::now);
+    if REQUESTED.swap(true, Ordering::SeqCst) && first.elapsed() >= SAME_REQUEST {
+        say!("interrupted again; what was not written yet is lost");
         system::exit(INTERRUPTED.into());
     }
 }

@@ -1,9 +1,9 @@
 //! Numbers of algorithms in photon-core and photon-scene that have a twin in GLSL.
 
 use photon_core::{
-    AlbedoTable, Coat, ConfidenceInterval, Fate, FixedFlux, Lobe, PhotonFormat, PhotonMoments, PixelRadii,
-    RoughGlassTable, SheenTable, Spectrum, anisotropy, area, clearcoat, cosine_warp, flight, ggx, glossy, grid,
-    kd_tree, light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen,
+    AlbedoTable, Coat, ConfidenceInterval, Fate, FixedFlux, Lobe, NEGLIGIBLE_THROUGHPUT, PhotonFormat, PhotonMoments,
+    PixelRadii, RoughGlassTable, SheenTable, Spectrum, anisotropy, area, clearcoat, cosine_warp, flight, ggx, glossy,
+    grid, kd_tree, light_sampler, light_tree, neighbour_radius, octahedral, offset, rough_glass, shading_normal, sheen,
     solid_angle,
 };
 use photon_scene::CompressedTree;
@@ -21,6 +21,7 @@ pub(super) fn groups() -> Vec<Group> {
                 ("LOBE_SPECULAR_TRANSMISSION", (Lobe::SpecularTransmission as u32).into()),
             ],
         ),
+        ("bsdf.", vec![("NEGLIGIBLE_THROUGHPUT", NEGLIGIBLE_THROUGHPUT.into())]),
         (
             "Fate; the maximum power of a path; one over the unit of flux in sums.",
             vec![

@@ -7,10 +7,10 @@ use photon_core::light_sampler::light_of_triangle;
 use photon_core::memory;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, evenly_spread, unit_f32};
 use photon_core::{
-    Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack, Pass,
-    QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SkipLimit, SurfaceInteraction, Vertex, View,
-    Wavelength, anisotropy, gloss_caustics, most_total_reflections, octahedral, sampling, shading_normal,
-    shadow_terminator,
+    Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack,
+    NEGLIGIBLE_THROUGHPUT, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SkipLimit,
+    SurfaceInteraction, Vertex, View, Wavelength, anisotropy, gloss_caustics, most_total_reflections, octahedral,
+    sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
 
@@ -204,10 +204,10 @@ impl Eye<'_> {
         }
     }
 
-    /// Whether a path that is to go on has met as many surfaces as it may, or is trapped; it is counted.
+    /// Whether a path that is to go on has met as many surfaces as it may, or is trapped; it is counted if light is missing.
     pub(super) fn truncates(&self, path: &Path) -> bool {
         let truncates = path.surfaces >= self.max_bounces || path.total > most_total_reflections(self.max_bounces);
-        if truncates {
+        if truncates && path.throughput.max_element() >= NEGLIGIBLE_THROUGHPUT {
             self.truncated.fetch_add(1, Ordering::Relaxed);
         }
         truncates

@@ -27,18 +27,9 @@ impl LightSample {
     }
 }
 
-/// Samples a point on a light as seen from `from`, a point just above the surface. `None` if the light faces the other
-/// way. `SHADED`: the light may be textured, or under a clearcoat. With a `normal`, directions to a nearby area light are
-/// roughly in proportion to the cosine to it; [`pdf_of_triangle`] is without.
+/// Samples light from infinity, that of a directional light or of the environment; `None` for other lights.
 #[inline(always)]
-pub(crate) fn sample<const SHADED: bool>(
-    scene: &CpuScene,
-    light: &Light,
-    from: Vec3,
-    normal: Option<Vec3>,
-    [u, v]: [u32; 2],
-) -> Option<LightSample> {
-    let power = Vec3::from(light.power);
+pub(crate) fn sample_far(scene: &CpuScene, light: &Light, from: Vec3, [u, v]: [u32; 2]) -> Option<LightSample> {
     if light.kind == Light::DIRECTIONAL {
         let area = std::f32::consts::PI * light.radius * light.radius;
         let (mut direction, mut factor) = (-Vec3::from(light.direction), 1.0);
@@ -49,16 +40,30 @@ pub(crate) fn sample<const SHADED: bool>(
         }
         let ray = Ray { origin: from, direction, t_max: f32::INFINITY };
         // The sun counts as a light without extent: the camera paths that it is found by are those without shadow rays.
-        return Some(LightSample { ray, color: power, factor, divisor: area, pdf: 0.0 });
+        return Some(LightSample { ray, color: light.power.into(), factor, divisor: area, pdf: 0.0 });
     }
-    if let (Light::ENVIRONMENT, Some(environment)) = (light.kind, &scene.environment) {
-        let found = environment.sample([u, v]);
-        let ray = Ray { origin: from, direction: found.direction, t_max: f32::INFINITY };
-        return Some(LightSample { ray, color: found.weight, factor: 1.0, divisor: 1.0, pdf: found.pdf });
+    let (Light::ENVIRONMENT, Some(environment)) = (light.kind, &scene.environment) else { return None };
+    let found = environment.sample([u, v]);
+    let ray = Ray { origin: from, direction: found.direction, t_max: f32::INFINITY };
+    Some(LightSample { ray, color: found.weight, factor: 1.0, divisor: 1.0, pdf: found.pdf })
+}
+
+/// Samples a point on a light as seen from `from`, a point just above the surface. `None` if the light faces the other
+/// way. `SHADED`: the light may be textured, or under a clearcoat. With a `normal`, directions to a nearby area light are
+/// roughly in proportion to the cosine to it; [`pdf_of_triangle`] is without.
+#[inline(always)]
+pub(crate) fn sample<const SHADED: bool>(
+    scene: &CpuScene,
+    light: &Light,
+    from: Vec3,
+    normal: Option<Vec3>,
+    words: [u32; 2],
+) -> Option<LightSample> {
+    if let Some(found) = sample_far(scene, light, from, words) {
+        return Some(found);
     }
-    let (u, v) = (unit_f32(u), unit_f32(v));
     let target = if light.kind == Light::TRIANGLE {
-        at_area_light(scene, light, from, normal, [u, v])?
+        at_area_light(scene, light, from, normal, words.map(unit_f32))?
     } else {
         Target::position_of(light)
     };

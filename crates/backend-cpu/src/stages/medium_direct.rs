@@ -13,7 +13,7 @@ use photon_core::{
 use crate::cpu::{Cpu, CpuBuffer};
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
-use crate::stages::light_sample::{Target, intensity, sample};
+use crate::stages::light_sample::{Target, intensity, sample_far};
 
 /// Traces shadow rays from places on segments to points on the lights.
 #[derive(Debug)]
@@ -110,7 +110,7 @@ impl Place {
     }
 }
 
-/// Radiance by way of a place on the segment and a point on `light`, over the density of both.
+/// Radiance at the start of a segment by way of a place on it and a point on `light`, over the density of both.
 fn from_light(
     scene: &CpuScene,
     (segment, columns): (&Segment, Option<&Columns<'_>>),
@@ -119,71 +119,66 @@ fn from_light(
     alpha: impl FnOnce() -> u32,
 ) -> Vec3 {
     let place = choice.place;
-    let mean = scene.medium(segment.media).1.extinction().element_sum() / 3.0;
+    let (_, medium) = scene.medium(segment.media);
+    let mean = medium.extinction().element_sum() / 3.0;
     let whole = columns.map_or(segment.length, Columns::total);
-    let at = |distance: f32| segment.origin + segment.direction * distance;
     let by_column = |u: f32| {
         let column = exponential(mean, whole, u);
         columns.map_or(column, |columns| columns.place(column))
     };
-    let Some(mut target) = Target::evenly(scene, light, choice.point) else {
-        let distance = by_column(place);
-        let place = Place::new(columns, distance);
-        let sampled = sample::<true>(scene, light, at(distance), None, choice.point);
-        let Some(sampled) = sampled.filter(|_| place.local > 0.0) else { return Vec3::ZERO };
-        // The local density is that of places too.
-        let light = sampled.times(1.0) / exponential_density(mean, whole, place.column);
-        return scattered_at(scene, segment, place.column, &sampled.ray, light, alpha);
+    let near = Target::evenly(scene, light, choice.point)
+        .map(|target| (Equiangular::new(segment.origin, segment.direction, segment.length, target.to), target));
+    // One half by the angle seen from the light, one half by the transmittance (balance heuristic); by the latter alone for light
+    // from infinity.
+    let distance = match &near {
+        Some((angles, _)) if place < 0.5 => angles.sample(2.0 * place).min(segment.length),
+        Some(_) => by_column(2.0 * place - 1.0),
+        None => by_column(place),
     };
-    let angles = Equiangular::new(segment.origin, segment.direction, segment.length, target.to);
-    // One half by the angle seen from the light, one half by the transmittance (balance heuristic).
-    let distance =
-        if place < 0.5 { angles.sample(2.0 * place).min(segment.length) } else { by_column(2.0 * place - 1.0) };
-    let place = Place::new(columns, distance);
-    if place.local == 0.0 {
+    let Place { column, local } = Place::new(columns, distance);
+    if !(local > 0.0) {
         return Vec3::ZERO;
     }
-    let density = 0.5 * (angles.density(distance) + place.local * exponential_density(mean, whole, place.column));
-    let from = at(distance);
-    if light.flags & Light::BOTH_SIDES != 0 && target.front.dot(from - target.to) < 0.0 {
-        target.front = -target.front;
-    }
-    if light.kind == Light::TRIANGLE {
-        target.to = offset::off_surface(target.to, target.front);
-    }
-    let gap = target.to - from;
-    let squared = gap.length_squared();
-    if !(squared > 0.0) {
-        return Vec3::ZERO;
-    }
-    let far = squared.sqrt();
-    let ray = Ray { origin: from, direction: gap / far, t_max: far };
-    let intensity = intensity::<true>(scene, light, &target, ray.direction);
-    scattered_at(scene, segment, place.column, &ray, intensity * (place.local / (squared * density)), alpha)
-}
-
-/// Radiance at the start of a segment that is scattered beyond a column of it, of `light` that arrives along a shadow ray.
-fn scattered_at(
-    scene: &CpuScene,
-    segment: &Segment,
-    column: f32,
-    ray: &Ray,
-    light: Vec3,
-    alpha: impl FnOnce() -> u32,
-) -> Vec3 {
-    if light == Vec3::ZERO {
+    let density = exponential_density(mean, whole, column);
+    let from = segment.origin + segment.direction * distance;
+    let (ray, arrives) = match near {
+        Some((angles, mut target)) => {
+            let density = 0.5 * (angles.density(distance) + local * density);
+            if light.flags & Light::BOTH_SIDES != 0 && target.front.dot(from - target.to) < 0.0 {
+                target.front = -target.front;
+            }
+            if light.kind == Light::TRIANGLE {
+                target.to = offset::off_surface(target.to, target.front);
+            }
+            let gap = target.to - from;
+            let squared = gap.length_squared();
+            if !(squared > 0.0) {
+                return Vec3::ZERO;
+            }
+            let far = squared.sqrt();
+            let ray = Ray { origin: from, direction: gap / far, t_max: far };
+            let intensity = intensity::<true>(scene, light, &target, ray.direction);
+            (ray, intensity * (local / (squared * density)))
+        }
+        None => {
+            let Some(found) = sample_far(scene, light, from, choice.point) else { return Vec3::ZERO };
+            // The local density is that of places too.
+            let arrives = found.times(1.0) / density;
+            (found.ray, arrives)
+        }
+    };
+    if arrives == Vec3::ZERO {
         return Vec3::ZERO;
     }
     let is_hidden = if scene.present.intersects(Features::RANDOM_SURFACES) {
-        scene.occluded_with::<true>(ray, alpha)
+        scene.occluded_with::<true>(&ray, alpha)
     } else {
-        scene.occluded_with::<false>(ray, || 0)
+        scene.occluded_with::<false>(&ray, || 0)
     };
     if is_hidden {
         return Vec3::ZERO;
     }
-    let (_, medium) = scene.medium(segment.media);
     let phase = Phase::of(medium).value(ray.direction, segment.direction);
-    let passes = flight::transmittance(medium, column) * scene.transmittance(ray, ray.t_max, segment.media);
-    light * Vec3::from(medium.scattering) * passes * phase
+    let passes = flight::transmittance(medium, column) * scene.transmittance(&ray, ray.t_max, segment.media);
+    arrives * Vec3::from(medium.scattering) * passes * phase
 }

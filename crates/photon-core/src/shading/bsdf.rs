@@ -22,6 +22,9 @@ pub const fn most_total_reflections(max_bounces: u32) -> u32 {
     if part > 64 { part } else { 64 }
 }
 
+/// Throughput below which the light beyond the end of a camera path is not missed: [`crate::EyeTracer::truncated`].
+pub const NEGLIGIBLE_THROUGHPUT: f32 = 1e-6;
+
 /// A component of a [`Bsdf`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 // Exhaustive: backends must follow each.

@@ -51,7 +51,9 @@ impl LightUnits {
                     *strength = strength.map(|channel| channel / LUMENS_PER_WATT);
                 }
                 let count = scene.lights.len();
-                report.note(LIGHTS, format!("{count} in cd and lux are divided by {LUMENS_PER_WATT} lm/W"));
+                if count > 0 {
+                    report.note(LIGHTS, format!("{count} in cd and lux are divided by {LUMENS_PER_WATT} lm/W"));
+                }
             }
         }
     }

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use photon_core::{Display, Film};
 
+use crate::args::RenderArgs;
 use crate::denoise::Denoiser;
 use crate::exposure::{self, Exposure};
 use crate::fault::Fault;
 use crate::outputs::Outputs;
 use crate::png_file::Picture;
 use crate::tonemap::ToneMap;
-use crate::{atomic_write, exr_file, png_file};
+use crate::{atomic_write, exr_file, load, png_file};
 
 /// Write the picture of a film file.
 #[derive(Clone, Debug, Args)]
@@ -99,6 +100,58 @@ pub fn run(args: &PictureArgs) -> Result<(), Fault> {
     }
     say!("wrote {written}: {} passes", film.passes);
     written.result()
+}
+
+/// The pictures of the options of a render.
+#[expect(missing_debug_implementations, reason = "functions of a library")]
+pub struct Pictures {
+    pub(super) paths: Vec<PathBuf>,
+    pub(super) look: Look,
+    pub(super) denoiser: Option<Denoiser>,
+}
+
+impl Pictures {
+    /// Checks options, names and folders, and loads the denoiser, before anything is rendered. Without a name, there is one PNG
+    /// named after the scene, or none with a film file.
+    ///
+    /// # Errors
+    /// [`Fault::Input`] naming the file or option.
+    pub fn of(args: &RenderArgs) -> Result<Self, Fault> {
+        args.files.check()?;
+        let paths = paths(args)?;
+        paths.iter().try_for_each(|path| atomic_write::check(path))?;
+        let files = &args.files;
+        let look = Look { transparent: files.transparent, exposure: files.exposure, tonemap: files.tonemap };
+        let denoiser = if files.denoise { Some(Denoiser::load()?) } else { None };
+        Ok(Self { paths, look, denoiser })
+    }
+
+    /// Writes the pictures of a film, each whatever becomes of the others.
+    pub fn write(&self, film: &Film, written: &mut Outputs) {
+        let (shown, denoised) = shown(film, self.denoiser.as_ref());
+        written.keep(denoised);
+        for path in &self.paths {
+            written.file(path, write(path, &shown, self.look, &[]));
+        }
+    }
+}
+
+fn paths(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
+    if args.files.output.is_empty() && args.film.film.is_some() {
+        return Ok(Vec::new());
+    }
+    if args.files.output.is_empty() {
+        let stem = Path::new(&args.scene.scene).file_stem().ok_or_else(|| load::unnamed(&args.scene.scene))?;
+        return Ok(vec![Path::new(stem).with_extension("png")]);
+    }
+    for path in &args.files.output {
+        check_name(path)?;
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return Err(Fault::input(format!("{}: there is no folder {}", path.display(), folder.display())));
+        }
+    }
+    Ok(args.files.output.clone())
 }
 
 /// A film and the colours that are shown of it.

@@ -51,7 +51,7 @@ fn negative(error: &clap::Error, arguments: &[OsString]) -> Option<String> {
 fn no_number(error: &clap::Error) -> Option<String> {
     let source = error.source()?;
     let wanted = if source.is::<ParseFloatError>() {
-        "a number, such as 0.5"
+        "a number, such as 0.05"
     } else if source.is::<ParseIntError>() {
         "a whole number, such as 4"
     } else {

@@ -1,6 +1,6 @@
 //! `photonmap render`
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use photon_core::{LightShare, Pipeline, Render, Settings, TransportBackend, View};
@@ -9,14 +9,13 @@ use photon_scene::{CompressedTree, LoadReport, Scene};
 use crate::args::{MachineArgs, RenderArgs};
 use crate::backend::{self, Opened};
 use crate::command::decided::{self, Decided};
-use crate::command::picture::{self, Look, Shown};
+use crate::command::picture::{self, Look, Pictures, Shown};
 use crate::command::{lost, render_blocks, render_film, render_passes};
-use crate::denoise::Denoiser;
 use crate::fault::Fault;
 use crate::outputs::Outputs;
 use crate::report::{self, Details};
 use crate::watch::Watch;
-use crate::{atomic_write, load, memory, signals, summary};
+use crate::{load, memory, signals, summary};
 
 /// Renders the scene and writes the files.
 ///
@@ -24,18 +23,15 @@ use crate::{atomic_write, load, memory, signals, summary};
 /// [`Fault::Input`] for invalid options, scenes and paths, before anything is rendered;
 /// [`Fault::Failure`] if rendering or writing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Fault> {
-    args.files.check()?;
+    let pictures = Pictures::of(args)?;
     let mut settings = Settings { transparent_background: args.files.transparent, ..args.settings.settings()? };
-    let outputs = outputs(args)?;
     render_blocks::check(args, &settings)?;
     render_film::check(args)?;
-    outputs.iter().try_for_each(|path| atomic_write::check(path))?;
     args.files.json.iter().try_for_each(|path| Outputs::check_report(path))?;
-    let denoiser = if args.files.denoise { Some(Denoiser::load()?) } else { None };
     let begun = Instant::now();
     signals::end_while_loading()?;
     let ((scene, loaded), seconds_load, opened) = load_and_open(args)?;
-    let look = Look { transparent: args.files.transparent, exposure: args.files.exposure, tonemap: args.files.tonemap };
+    let look = pictures.look;
     let mut watch = Watch::start(&args.watch, look, &args.scene.scene)?;
     let view = args.settings.picture.view(&scene)?;
     let (mut renderers, seconds_device, decided) = start((args, begun), opened, &scene, view, &settings)?;
@@ -116,9 +112,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Fault> {
             written.named(format!("{} ({} passes)", path.display(), film.passes), filed.map(|_| ()));
         }
     }
-    let (shown, denoised) = picture::shown(&film, denoiser.as_ref());
+    let (shown, denoised) = picture::shown(&film, pictures.denoiser.as_ref());
     written.keep(denoised);
-    for output in &outputs {
+    for output in &pictures.paths {
         written.file(output, save(args, output, (&shown, film.passes, look), renderer, &details));
     }
     if let Some(path) = &args.files.json {
@@ -188,25 +184,6 @@ pub(super) fn open(machine: &MachineArgs) -> Result<(Opened, f64), Fault> {
         _ => backend::open_quietly(machine.backend, machine.threads),
     };
     Ok((opened?, begun.elapsed().as_secs_f64()))
-}
-
-/// The output files, checked before anything is rendered.
-fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Fault> {
-    if args.files.output.is_empty() && args.film.film.is_some() {
-        return Ok(Vec::new());
-    }
-    if args.files.output.is_empty() {
-        let stem = Path::new(&args.scene.scene).file_stem().ok_or_else(|| load::unnamed(&args.scene.scene))?;
-        return Ok(vec![Path::new(stem).with_extension("png")]);
-    }
-    for path in &args.files.output {
-        picture::check_name(path)?;
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !folder.is_dir() {
-            return Err(Fault::input(format!("{}: there is no folder {}", path.display(), folder.display())));
-        }
-    }
-    Ok(args.files.output.clone())
 }
 
 /// Warnings about lights that get hardly any photons, if photons are traced.

@@ -44,8 +44,12 @@ impl Page {
     pub(super) fn serve(address: &ServeAddress, title: &str) -> Result<Self, Fault> {
         let state = Arc::new(Mutex::new(State { title: title.to_owned(), ..State::default() }));
         let shared = Arc::clone(&state);
-        let server = Server::start(address, Limits::USUAL, move |path: &str| answer(path, &lock(&shared)))
-            .map_err(|why| Fault::input(format!("--serve {address}: {why}; port 0 takes any free port")))?;
+        let server =
+            Server::start(address, Limits::USUAL, move |path: &str| answer(path, &lock(&shared))).map_err(|why| {
+                Fault::input(format!(
+                    "--serve {address}: {why}; give an address of this machine, and a free port, or port 0 for any free one"
+                ))
+            })?;
         say!("watch at http://{}/", server.address());
         Ok(Self { server, state, begun: Instant::now() })
     }

@@ -24,7 +24,8 @@ pub trait EyeTracer<B: TransportBackend>: Send {
     ) -> Result<()>;
 
     /// Number of paths since [`EyeTracer::trace_eye`] of the last sample 0 that were to go on where they met the last surface that
-    /// [`crate::Settings::max_bounces`] allows. The light beyond is missing from the film.
+    /// [`crate::Settings::max_bounces`] allows, with a throughput of at least [`crate::NEGLIGIBLE_THROUGHPUT`]. The light beyond
+    /// is missing from the film.
     ///
     /// # Errors
     /// Errors of the backend, including deferred ones.

@@ -105,7 +105,19 @@ fn pictures_are_checked_first_and_have_a_name() {
     let folder = tempfile::tempdir().unwrap();
     let run = |options: &[&str]| {
         let mut command = mpirun(2, env!("CARGO_BIN_EXE_photonmap-mpi"));
-        command.args(["cornell", "--size", "8", "--passes", "2", "--photons", "500", "--backend", "cpu", "--threads", "1"]);
+        command.args([
+            "cornell",
+            "--size",
+            "8",
+            "--passes",
+            "2",
+            "--photons",
+            "500",
+            "--backend",
+            "cpu",
+            "--threads",
+            "1",
+        ]);
         command.args(options).current_dir(folder.path()).output().unwrap()
     };
     let output = run(&[]);

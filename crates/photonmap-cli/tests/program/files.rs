@@ -38,7 +38,7 @@ fn an_interrupt_leaves_a_valid_picture() {
         }
         assert!(child.try_wait().unwrap().is_none() && !picture.exists(), "it goes on");
         assert!(send(signal).unwrap().success());
-        // As `timeout` does. It may have ended.
+        // `timeout` sends two, too. It may have ended.
         let _ = send("HUP");
         let last = lines.last().unwrap();
         assert!(last.starts_with("wrote ") && last.ends_with("interrupted"), "{last}");

@@ -137,5 +137,5 @@ void main() {
     vec3 flux = vec3(0.0);
     if (nearest_slot != NONE) flux = uintBitsToFloat(flux_at(FORMAT, push.power, nearest_slot).xyz);
     push.results[index].at = Estimate(flux, max(reach, NEIGHBOUR_MIN_RADIUS_SQUARED), nearest_slot != NONE ? 1u : 0u,
-        reach < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+        reach < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, vec2(0.0));
 }

@@ -213,7 +213,7 @@ void main() {
         query_keep();
     } else if (asked && index < push.capacity) {
         Estimates(push.results)[index].at = Estimate(
-            flux.total - flux.excess, divisor, photons, squared_radius < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+            flux.total - flux.excess, divisor, photons, squared_radius < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, vec2(0.0));
         if (ERROR_MOMENTS != 0) push.error_moments[index].at = error_moments_found();
     }
     if (TURNS != 0) pause_close();

@@ -137,7 +137,7 @@ Estimate estimate(bool full, float reach) {
         // Weights are not negative, but differences of nearly equal sums may be.
         flux = max(flux, vec3(0.0));
     }
-    return Estimate(flux, divisor, photons, reach < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, uint[2](0u, 0u));
+    return Estimate(flux, divisor, photons, reach < NEIGHBOUR_MIN_RADIUS_SQUARED ? ESTIMATE_SINGULAR : 0u, vec2(0.0));
 }
 
 #endif

@@ -61,6 +61,7 @@ vec3 inverse;
 float margin;
 Sum flux;
 uint photons;
+vec2 power_sums;
 
 void stage(uint mode, uint place, uint slot) {
     uvec4 flux = flux_at(FORMAT, fluxes, slot);
@@ -81,6 +82,7 @@ void add(uint place, inout vec3 sum) {
     float scattered = phase_value(phase, directions[place], segment.direction);
     if (sees_grid) column = columns_to(columns, column);
     vec3 power = powers[place] * scattered * exp_neg3(extinction * column);
+    uint before = photons;
     if (ERROR_MOMENTS != 0) {
         bool is_inner = foot >= inner_range.x && foot <= inner_range.y;
         error_moments_add(
@@ -89,6 +91,8 @@ void add(uint place, inout vec3 sum) {
         sum += power * kernel_weight(KERNEL, min(d2 * scale, 1.0));
         photons++;
     }
+    float mean = (power.x + power.y + power.z) * (1.0 / 3.0);
+    if (photons != before) power_sums += vec2(mean, mean * mean);
 }
 
 void visit(uint mode, uvec2 firsts) {
@@ -131,6 +135,8 @@ void query_keep() {
     pause_begin(PAUSE_KERNEL);
     sum_keep(flux);
     keep(photons);
+    keep(power_sums.x);
+    keep(power_sums.y);
     if (ERROR_MOMENTS != 0) error_moments_keep();
 }
 
@@ -154,6 +160,7 @@ void main() {
     limit = 0;
     flux = NOTHING;
     photons = 0;
+    power_sums = vec2(0.0);
     sees_grid = false;
     if (asked) {
         SceneRef scene = SceneRef(push.albedos);
@@ -197,7 +204,7 @@ void main() {
         query_keep();
     } else if (asked && index < push.capacity) {
         Estimates(push.results)[index].at =
-            Estimate(flux.total - flux.excess, squared_radius, photons, 0u, uint[2](0u, 0u));
+            Estimate(flux.total - flux.excess, squared_radius, photons, 0u, power_sums);
         if (ERROR_MOMENTS != 0) push.error_moments[index].at = error_moments_found();
     }
     if (TURNS != 0) pause_close();

@@ -38,7 +38,7 @@ struct Estimate {
     float radius_squared;
     uint photons;
     uint flags;
-    uint reserved[2];
+    vec2 power_sums;
 };
 
 struct ErrorMoments {

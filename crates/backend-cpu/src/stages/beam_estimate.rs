@@ -109,6 +109,7 @@ impl Photons<'_> {
         let squared = radius * radius;
         let mut estimate = Estimate { radius_squared: squared, ..Estimate::default() };
         let mut sum = [0.0_f64; 3];
+        let mut power_sums = [0.0_f64; 2];
         let mut sums = Sums::<[f64; 3]>::default();
         let wide = if MOMENTS { SQRT_2 * radius } else { radius };
         let (tangent, bitangent) = if MOMENTS { sampling::basis(direction) } else { (Vec3::ZERO, Vec3::ZERO) };
@@ -124,6 +125,8 @@ impl Photons<'_> {
             if !MOMENTS || (d2 <= squared && (-8.0 * radius..=length + 8.0 * radius).contains(&t)) {
                 power.add(&mut sum, params.kernel.weight(u.min(1.0)));
                 estimate.photons += 1;
+                let mean = f64::from(power.mean());
+                power_sums = [power_sums[0] + mean, power_sums[1] + mean * mean];
             }
             if MOMENTS {
                 let offset = from_origin / wide;
@@ -135,6 +138,7 @@ impl Photons<'_> {
             }
         });
         estimate.flux = sum.map(|sum| sum as f32);
+        estimate.power_sums = power_sums.map(|sum| sum as f32);
         (estimate, sums.finish(|rgb| rgb))
     }
 }

@@ -322,7 +322,7 @@ impl<P: Power> Sum<P> {
             radius_squared: self.radius_squared,
             photons: self.photons,
             flags: self.flags,
-            reserved: [0; 2],
+            power_sums: [0.0; 2],
         }
     }
 }

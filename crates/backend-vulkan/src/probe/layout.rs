@@ -102,7 +102,7 @@ fn records() -> Vec<Record> {
         record!(Photon: position normal power direction),
         record!(PhotonRay: origin path direction light power media),
         record!(Query: position radius normal pixel throughput media offset_or_wo path shading_normal coat),
-        record!(Estimate: flux radius_squared photons flags reserved),
+        record!(Estimate: flux radius_squared photons flags power_sums),
         record!(ErrorMoments: wide power narrow power_squared slope quadrupole stray photons reserved),
         record!(Primitive: normal material),
         record!(Material: albedo kind emission flags medium ior textures metallic roughness specular alpha alpha_cutoff),

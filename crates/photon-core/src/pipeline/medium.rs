@@ -44,8 +44,9 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.accumulate(&mut self.film, built.kind.layer(), segments, estimates, built.paths)
     }
 
-    /// The radius within which the median segment that sees photons of the pilot pass sees `wanted` of them. Their number grows
-    /// as the square of the radius.
+    /// The radius within which the median segment that sees photons of the pilot pass has the noise of `wanted` of equal
+    /// power: behind several mean free paths, or beside the peak of a phase function, photons count for little. Their number
+    /// grows as the square of the radius.
     pub(super) fn medium_radius(&mut self, map: &B::PhotonMap, wanted: f64) -> Result<f32> {
         let (Some(media), Some(segments)) = (&mut self.stages.media, &mut self.segments) else {
             return Ok(FIRST_RADIUS);
@@ -65,14 +66,19 @@ impl<B: TransportBackend> Pipeline<B> {
             let buffers = EstimateBuffers { estimates, error_moments: None };
             media.estimator.estimate(&mut self.on, &self.scene, map, segments, &params, buffers)?;
             self.on.download(estimates, &mut found)?;
-            let mut counts: Vec<u32> =
-                found.iter().map(|estimate| estimate.photons).filter(|&count| count > 0).collect();
-            if counts.is_empty() {
+            // Radii in dense media are bounded, so that each segment says by how much its own has to grow.
+            let mut squared: Vec<f64> = found
+                .iter()
+                .filter(|estimate| estimate.photons > 0)
+                .map(|estimate| f64::from(estimate.radius_squared) * looked_for / estimate.effective_photons())
+                .filter(|squared| squared.is_finite())
+                .collect();
+            if squared.is_empty() {
                 break;
             }
-            let middle = counts.len() / 2;
-            let (_, &mut median, _) = counts.select_nth_unstable(middle);
-            radius = radii::scaled(radius, (looked_for / f64::from(median)).sqrt() as f32);
+            let middle = squared.len() / 2;
+            let (_, &mut median, _) = squared.select_nth_unstable_by(middle, f64::total_cmp);
+            radius = radii::scaled(1.0, median.sqrt() as f32);
         }
         // Memory is again reported for the film of the picture.
         drop(film);

@@ -112,14 +112,21 @@ pub struct Estimate {
     pub photons: u32,
     /// Bits: [`Estimate::SINGULAR`].
     pub flags: u32,
-    /// Zero.
-    pub reserved: [u32; 2],
+    /// Along segments, Σ power and Σ power² over these photons, mean of RGB, as scattered to the camera; otherwise zero.
+    pub power_sums: [f32; 2],
 }
 
 impl Estimate {
     /// All k photons are at the query's position, so that the radius is a lower limit, not a measured
     /// distance.
     pub const SINGULAR: u32 = 1;
+
+    /// Number of photons of equal power that would make as much noise: (Σ power)² / Σ power². 0 without [`Self::power_sums`].
+    #[must_use]
+    pub fn effective_photons(&self) -> f64 {
+        let [power, squared] = self.power_sums.map(f64::from);
+        if squared > 0.0 { power * power / squared } else { 0.0 }
+    }
 
     /// Irradiance in units of total power per squared normalised length, if `paths` paths were emitted:
     /// `flux / (π r² paths)`.

@@ -50,7 +50,7 @@ fn compare(found: &[Estimate], expected: &[Estimate], largest: f64) -> Result<()
         let same = a.photons == b.photons
             && a.flags == b.flags
             && a.radius_squared.to_bits() == b.radius_squared.to_bits()
-            && a.reserved == [0; 2];
+            && a.power_sums == [0.0; 2];
         let scale = largest * f64::from(b.photons);
         let near = |(x, y): (&f32, &f32)| (f64::from(*x) - f64::from(*y)).abs() <= TOLERANCE * scale;
         if !same || !a.flux.iter().zip(&b.flux).all(near) {

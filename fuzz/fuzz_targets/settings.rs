@@ -2,8 +2,8 @@
 #![no_main]
 
 use photon_core::{
-    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, RandomKind, Settings,
-    Scheduling,
+    Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Kernel, Paper, RandomKind, Scheduling,
+    Settings,
 };
 
 /// Takes numbers off the front of the input; zeros when it is exhausted.
@@ -79,7 +79,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
             1 => CausticPhotons::Aimed(u32::from(from.byte())),
             _ => CausticPhotons::Shared,
         },
-        max_plane_distance: if from.byte() % 4 == 0 { from.narrow() } else { 1.0 },
+        max_plane_distance: (from.byte() % 4 == 0).then(|| from.narrow()),
         caustic_roughness: from.perhaps(Bytes::narrow),
         ..Settings::default()
     };
@@ -88,7 +88,8 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         // With few triangles: trees are built for every input.
         let mut glass = photon_scene::builtin("cornell").expect("listed");
         if let Some(material) = glass.materials_mut().first_mut() {
-            material.surface = photon_scene::Surface::Dielectric { ior: 1.5, absorption: [0.1; 3], tint: [0.9; 3], roughness: 0.0 };
+            material.surface =
+                photon_scene::Surface::Dielectric { ior: 1.5, absorption: [0.1; 3], tint: [0.9; 3], roughness: 0.0 };
         }
         let build = |scene: photon_scene::SceneBuilder| scene.build().expect("sound");
         ["cornell", "plates"]

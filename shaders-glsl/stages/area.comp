@@ -118,6 +118,8 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
     uint ring = AREA_RINGS + SECOND;
     // From the outermost probe inwards: if it lies on the surface and nothing is in the way, so do all inner ones.
     bool whole = false;
+    // Whether the last probe is near enough to the plane.
+    bool is_level = true;
     while (true) {
         Surface met;
         bool hidden;
@@ -134,6 +136,7 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
             }
             if (FLAT != 0 && counts) {
                 float off = abs(dot3(at.point - push.queries[i].at.position, normal));
+                is_level = off <= most_above;
                 vec3 most = push.max_plane_distance * (vec3(1.0, 1.41421356, 0.70710678) * radius);
                 weights *= vec3(lessThanEqual(vec3(off), most));
                 counts = weights != vec3(0.0);
@@ -159,7 +162,7 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
         if (counts) {
             found += weights;
             // The outer probe is skipped if no error moments are computed, and the image must not depend on it.
-            whole = ring < AREA_RINGS && FLAT == 0 && away <= free;
+            whole = ring < AREA_RINGS && next == DOWN && is_level && away <= free;
         }
         float distance;
         do {

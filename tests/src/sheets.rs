@@ -128,7 +128,7 @@ fn sheets(x: f64, down: f64, below: bool) -> Scene {
 }
 
 /// Radiance relative to that of the lit sheet, per pass; passes are independent.
-fn shares<T: TestBackend>(scene: &Scene, max_plane_distance: f32, area: Area, errors: bool) -> Vec<f64> {
+fn shares<T: TestBackend>(scene: &Scene, max_plane_distance: Option<f32>, area: Area, errors: bool) -> Vec<f64> {
     let settings = Settings {
         photons: 8_000,
         estimator: Estimator::Radius { radius: Some(REACH) },
@@ -150,14 +150,15 @@ fn shares<T: TestBackend>(scene: &Scene, max_plane_distance: f32, area: Area, er
 pub fn d6_a_sheet_in_the_shade_is_dark<T: TestBackend>() {
     let scene = sheets(1.0, APART, true);
     for errors in [false, true] {
-        assert_eq!(shares::<T>(&scene, SHARE, Area::Disc, errors), vec![0.0; 8]);
-        let lit = shares::<T>(&scene, 1.0, Area::Disc, errors);
+        assert_eq!(shares::<T>(&scene, Some(SHARE), Area::Disc, errors), vec![0.0; 8]);
+        assert_eq!(shares::<T>(&scene, None, Area::Surface, errors), vec![0.0; 8]);
+        let lit = shares::<T>(&scene, None, Area::Disc, errors);
         assert_agrees("shade", moments(&lit).0, (1.0 - APART * APART).powi(2), standard_error(&lit), 0.0);
     }
     let step = sheets(0.0, 0.1, false);
-    let mended = shares::<T>(&step, 0.05, Area::Surface, false);
+    let mended = shares::<T>(&step, Some(0.05), Area::Surface, false);
     assert_agrees("step", moments(&mended).0, 1.0, standard_error(&mended), 4e-3);
-    let lost = shares::<T>(&step, 0.05, Area::Disc, false);
+    let lost = shares::<T>(&step, Some(0.05), Area::Disc, false);
     assert_agrees("end", moments(&lost).0, 0.5, standard_error(&lost), 1e-3);
 }
 
@@ -178,7 +179,7 @@ pub fn d9_a_board_above_hides_no_area<T: TestBackend>() {
         }
         builder.light("sun", LightDesc::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
         look_at_point(&mut builder, [1e-5, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0, 1e-6);
-        let found = shares::<T>(&builder.build().unwrap(), SHARE, Area::Surface, false);
+        let found = shares::<T>(&builder.build().unwrap(), Some(SHARE), Area::Surface, false);
         assert_agrees(what, moments(&found).0, truth, standard_error(&found), 4e-3);
     }
 }

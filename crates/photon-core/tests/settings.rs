@@ -56,12 +56,12 @@ fn nonsense_is_refused_by_name() {
             Settings { irradiance_every: Some(4), indirect: Indirect::Gather, errors: true, ..base() },
         ),
         ("min-normal-cosine", Settings { min_normal_cosine: f32::NAN, ..base() }),
-        ("max-plane-distance", Settings { max_plane_distance: f32::NAN, ..base() }),
-        ("max-plane-distance", Settings { max_plane_distance: 0.0, ..base() }),
-        ("max-plane-distance", Settings { max_plane_distance: 1.5, ..base() }),
+        ("max-plane-distance", Settings { max_plane_distance: Some(f32::NAN), ..base() }),
+        ("max-plane-distance", Settings { max_plane_distance: Some(0.0), ..base() }),
+        ("max-plane-distance", Settings { max_plane_distance: Some(1.5), ..base() }),
         (
             "max-plane-distance",
-            Settings { max_plane_distance: 0.5, estimator: Estimator::Knn { k: 9, max_radius: None }, ..base() },
+            Settings { max_plane_distance: Some(0.5), estimator: Estimator::Knn { k: 9, max_radius: None }, ..base() },
         ),
     ];
     for (culprit, settings) in cases {

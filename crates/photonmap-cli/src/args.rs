@@ -165,7 +165,7 @@ impl SettingsArgs {
             indirect,
             bandwidth,
             area: estimate.area.unwrap_or(base.area),
-            max_plane_distance: estimate.max_plane_distance.unwrap_or(base.max_plane_distance),
+            max_plane_distance: estimate.max_plane_distance.or(base.max_plane_distance),
             caustic_photons: photon.caustic_photons.unwrap_or(base.caustic_photons),
             caustic_roughness: photon.caustic_roughness.or(base.caustic_roughness),
             max_bounces: photon.max_bounces.unwrap_or(base.max_bounces),

@@ -103,7 +103,10 @@ fn settings(job: &Job, base: &Settings) -> Vec<(String, Settings)> {
             .into_iter()
             .flat_map(|share| [("disc", Area::Disc), ("surface", Area::Surface)].map(|area| (share, area)))
             .map(|(share, (name, area))| {
-                (format!("{share} of the radius, {name}"), Settings { max_plane_distance: share, area, ..base.clone() })
+                (
+                    format!("{share} of the radius, {name}"),
+                    Settings { max_plane_distance: Some(share), area, ..base.clone() },
+                )
             })
             .collect(),
         "gather" => [None, Some(1), Some(4), Some(16)]

@@ -127,7 +127,7 @@ fn scene(name: &str, photons: u32) -> (Scene, Settings) {
         "final gather" => settings.indirect = Indirect::Gather,
         "aimed photons" => settings.caustic_photons = CausticPhotons::Aimed(photons / 4),
         "area correction" => settings.area = Area::Surface,
-        "plane distance" => settings.max_plane_distance = 0.25,
+        "plane distance" => settings.max_plane_distance = Some(0.25),
         "error estimates" => settings.errors = true,
         "radius per pixel" => (settings.errors, settings.bandwidth) = (true, Bandwidth::PerPixel),
         "precomputed irradiance" => (settings.indirect, settings.irradiance_every) = (Indirect::Gather, Some(8)),

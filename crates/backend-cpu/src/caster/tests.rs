@@ -193,7 +193,7 @@ fn areas_without_probes_change_no_bit() {
         ("cornell", Settings { errors: true, ..plain.clone() }),
         ("cornell-glass", plain.clone()),
         ("gloss", Settings { errors: true, ..plain.clone() }),
-        ("two-rooms", Settings { max_plane_distance: 0.1, ..plain.clone() }),
+        ("two-rooms", Settings { max_plane_distance: Some(0.1), ..plain.clone() }),
     ] {
         let rays = [false, true].map(|knows| {
             let rays = Arc::new(AtomicUsize::new(0));

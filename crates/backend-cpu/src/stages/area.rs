@@ -222,7 +222,8 @@ impl Disc<'_> {
                 if self.keeps(&surface) && (is_open || !enclosed::<ALPHA>(scene, &surface)) {
                     // The outer probe exists only if error moments are requested. It must not decide for the rings
                     // inside it, since the image must be the same either way.
-                    whole = ring < RINGS && !gather.is_flat() && away <= free;
+                    let is_level = !gather.is_flat() || off <= gather.max_plane_distance * radius;
+                    whole = ring < RINGS && !hidden && is_level && away <= free;
                     for i in 0..discs {
                         let most = gather.max_plane_distance * (RADII[i] * radius);
                         found_by[i] += if !gather.is_flat() || off <= most { weights[i] } else { 0.0 };

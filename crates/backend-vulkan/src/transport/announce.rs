@@ -134,7 +134,7 @@ fn footprints(on: &mut Vulkan, passes: &Announcement<'_>, format: PhotonFormat) 
     let settings = passes.settings;
     let gather = EstimateParams {
         min_normal_cosine: settings.min_normal_cosine,
-        max_plane_distance: settings.max_plane_distance,
+        max_plane_distance: settings.plane_distance(),
         ..EstimateParams::new(Search::Radius)
     };
     // Pixels are joined, and their queries may be sorted or not.

@@ -100,7 +100,7 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.mark(Some(Stage::Estimate));
         let gather = EstimateParams {
             min_normal_cosine: self.settings.min_normal_cosine,
-            max_plane_distance: self.settings.max_plane_distance,
+            max_plane_distance: self.settings.plane_distance(),
             ..EstimateParams::new(Search::Radius)
         };
         let uploaded = self.on.upload("queries of the pilot pass", queries)?;

@@ -74,7 +74,7 @@ pub(crate) fn gather(settings: &Settings, radius: f32, index: u32) -> EstimatePa
         kernel: settings.kernel,
         radius_scale: radius * shrink as f32,
         min_normal_cosine: settings.min_normal_cosine,
-        max_plane_distance: settings.max_plane_distance,
+        max_plane_distance: settings.plane_distance(),
         shading_normals: false,
         reflection: false,
         anisotropy: false,

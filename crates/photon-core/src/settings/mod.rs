@@ -246,11 +246,11 @@ pub struct Settings {
     /// `[-1, 1]`.
     pub min_normal_cosine: f32,
     /// A photon counts if its distance from the query's plane is at most this share of the radius, in `(0,
-    /// 1]`; 1: all photons in the ball count. Below 1, light of a nearby parallel surface no longer leaks
-    /// through, but on a sphere with a radius of less than `radius / (2 share)` photons near the edge of
-    /// the disc are missed (Jensen 2001 flattens the search sphere likewise). Only with
-    /// [`Estimator::Radius`].
-    pub max_plane_distance: f32,
+    /// 1]`; 1: all photons in the ball count. Below 1, light of a nearby parallel surface does not leak
+    /// through; with [`Area::Disc`], on a sphere with a radius of less than `radius / (2 share)`, photons near the edge of
+    /// the disc are missed (Jensen 2001 flattens the search sphere likewise). Below 1 only with
+    /// [`Estimator::Radius`]. `None`: [`Settings::plane_distance`].
+    pub max_plane_distance: Option<f32>,
     /// Maximum number of photons per map; `None`: no limit.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "serialized::optional_count"))]
     pub photon_capacity: Option<u64>,
@@ -296,7 +296,7 @@ impl Default for Settings {
             gather_rays: 16,
             irradiance_every: None,
             min_normal_cosine: 0.7,
-            max_plane_distance: 1.0,
+            max_plane_distance: None,
             photon_capacity: None,
             memory: None,
             errors: false,
@@ -307,6 +307,13 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// [`Settings::max_plane_distance`], or its default: a quarter where discs are divided by the area that lies within, else 1.
+    #[must_use]
+    pub fn plane_distance(&self) -> f32 {
+        let is_flat = self.area == Area::Surface && matches!(self.estimator, Estimator::Radius { .. });
+        self.max_plane_distance.unwrap_or(if is_flat { 0.25 } else { 1.0 })
+    }
+
     /// The settings of Lin and Wang 2010, including its errors: equation (2), the LCG, the median kd-tree,
     /// static scheduling.
     #[must_use]
@@ -396,7 +403,7 @@ impl Settings {
         }
         let cosine = self.min_normal_cosine;
         ensure((-1.0..=1.0).contains(&cosine), "min-normal-cosine", cosine.to_string(), "must lie between -1 and 1")?;
-        let plane = self.max_plane_distance;
+        let plane = self.plane_distance();
         let hint = "must be above 0 and at most 1, and exactly 1 with estimators other than radius";
         let good = plane == 1.0 || (plane > 0.0 && plane < 1.0 && matches!(self.estimator, Estimator::Radius { .. }));
         ensure(good, "max-plane-distance", plane.to_string(), hint)?;

@@ -18,7 +18,7 @@ fn options_reach_the_settings() {
     let s = settings(&["--estimator", "knn", "--k", "70", "--photons", "1.5M", "--index", "vvh"]).unwrap();
     assert_eq!((s.photons, s.index), (1_500_000, IndexKind::Vvh));
     assert_eq!(s.estimator, Estimator::Knn { k: 70, max_radius: None });
-    assert_eq!(settings(&["--max-plane-distance", "0.1"]).unwrap().max_plane_distance, 0.1);
+    assert_eq!(settings(&["--max-plane-distance", "0.1"]).unwrap().max_plane_distance, Some(0.1));
     assert_eq!(settings(&["--caustic-photons", "50k"]).unwrap().caustic_photons, CausticPhotons::Aimed(50_000));
     assert_eq!(settings(&["--caustic-photons", "shared"]).unwrap().caustic_photons, CausticPhotons::Shared);
     assert_eq!(settings(&["--caustic-roughness", "0.5"]).unwrap().caustic_roughness, Some(0.5));

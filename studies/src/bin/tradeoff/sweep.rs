@@ -60,7 +60,7 @@ fn points(base: &Settings) -> Vec<Point> {
     for passes in [PASSES, 4 * PASSES] {
         add("area", &format!("surface, {passes} passes"), with(&|s| s.area = Area::Surface), passes);
     }
-    add("plane", "a quarter of the radius", with(&|s| s.max_plane_distance = 0.25), PASSES);
+    add("plane", "a quarter of the radius", with(&|s| s.max_plane_distance = Some(0.25)), PASSES);
     add("caustics", "shared", with(&|s| s.caustic_photons = CausticPhotons::Shared), PASSES);
     let as_many = CausticPhotons::Aimed(base.photons);
     add("caustics", "as many aimed", with(&|s| s.caustic_photons = as_many), PASSES);

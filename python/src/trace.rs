@@ -100,7 +100,7 @@ fn all<B: TransportBackend>(mut on: B, scene: &Scene, settings: &Settings) -> Re
             deposits[kind] = buffer.as_mut();
         }
         stages.emitter.emit(&mut on, &prepared, &batch, &mut rays)?;
-        stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits)?;
+        stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default())?;
         stages.tracer.take_tally(&mut on)?;
         let mut is_full = false;
         for kind in MapKind::ALL {

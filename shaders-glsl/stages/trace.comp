@@ -17,7 +17,7 @@
 layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint RANDOM = 0;
-// Bit mask of the maps that are stored.
+// Bit mask of the maps that are stored: those on surfaces, then those in media that scatter light.
 layout(constant_id = 3) const uint WANTED = 7;
 layout(constant_id = 4) const bool DYNAMIC = true;
 // When fewer rays of a subgroup than this are being traced, the finished ones are processed first: shaded, or
@@ -31,8 +31,6 @@ layout(constant_id = 7) const uint MEDIA = 1;
 layout(constant_id = 8) const bool REFLECTIONS = false;
 // Whether those are of all lights, with a mark.
 layout(constant_id = 11) const bool ALL_LIGHTS = false;
-// Whether photons in media that scatter light are stored, instead of those on surfaces.
-layout(constant_id = 12) const bool IN_MEDIA = false;
 
 #include "device/counter.glsl"
 #include "device/grid.glsl"
@@ -45,6 +43,9 @@ layout(constant_id = 12) const bool IN_MEDIA = false;
 #include "shading/shade.glsl"
 #include "shading/stretches.glsl"
 #include "stages/tally.glsl"
+
+const uint WANTED_IN_MEDIA = WANTED >> MAP_COUNT;
+const bool IN_MEDIA = WANTED_IN_MEDIA != 0u;
 
 // Path index, and ordinal << MAP_BITS | map.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Owners { uvec2 at; };
@@ -76,7 +77,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Waiting { ui
 
 // Parameters of one chunk of paths, the same for all its dispatches.
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Chunk {
-    // An array of `count` words for each map: number of photons that each path stored in it.
+    // An array of `count` words for each map, on surfaces and in media: number of photons that each path stored in it. Those in
+    // media are kept there between dispatches too.
     Counts stored;
     Endings endings;
     States states;
@@ -144,6 +146,7 @@ struct Path {
     // Number of total reflections.
     uint total;
     uint stored[MAP_COUNT];
+    uint stored_in_media[MAP_COUNT];
 };
 
 // The path's random word, which decides what it meets where that is random.
@@ -152,6 +155,15 @@ uint layer(Path path) {
     uint block = BLOCK_SURFACES + path.bounce;
     if (SCATTERING) block += path.collisions;
     return sampler_words(path.numbers, block).w;
+}
+
+// The place of the number of photons in media that a path has stored in a map.
+Counts counts_in_media(uint path, uint map) { return push.chunk.stored[(MAP_COUNT + map) * push.chunk.count + path]; }
+
+void keep_counts_in_media(Path path) {
+    [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
+        if ((WANTED_IN_MEDIA >> map & 1u) != 0u) counts_in_media(path.index, map).at = path.stored_in_media[map];
+    }
 }
 
 Path begin(uint number) {
@@ -176,7 +188,10 @@ Path begin(uint number) {
         path.specular_only = true;
         path.too_deep = false;
         path.total = 0u;
-        [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) path.stored[map] = 0u;
+        [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
+            path.stored[map] = 0u;
+            path.stored_in_media[map] = 0u;
+        }
         return path;
     }
     State state = push.chunk.states[path.index].at;
@@ -198,6 +213,10 @@ Path begin(uint number) {
         path.wavelength = state.flags >> 16;
     }
     path.stored = state.stored;
+    [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
+        bool kept = (WANTED_IN_MEDIA >> map & 1u) != 0u;
+        path.stored_in_media[map] = kept ? counts_in_media(path.index, map).at : 0u;
+    }
     return path;
 }
 
@@ -214,6 +233,7 @@ void keep(Path path) {
     state.stored = path.stored;
     state.numbers = path.numbers.state;
     push.chunk.states[path.index].at = state;
+    if (IN_MEDIA) keep_counts_in_media(path);
     push.left[counter_take(Counter(push.then) + 1)].at = path.index;
 }
 
@@ -232,7 +252,6 @@ bool is_sampled_only(Path path) {
 
 // Where a surface is met by a share of the photons, its coverage, each stands for the others too.
 void store(inout Path path, Surface at, vec3 power, float coverage) {
-    if (IN_MEDIA) return;
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED >> map & 1u) == 0u) return;
     uint ordinal = stored_in(path.stored, map);
@@ -374,6 +393,7 @@ void finish(Path path, uint fate) {
     [[unroll]] for (uint map = 0u; map < MAP_COUNT; ++map) {
         if ((WANTED >> map & 1u) != 0u) push.chunk.stored[map * count + path.index].at = path.stored[map];
     }
+    if (IN_MEDIA) keep_counts_in_media(path);
     Ending ending;
     ending.power = path.power;
     ending.fate_surfaces = fate << 28 | (path.too_deep ? TOO_DEEP : 0u) | min(path.bounce, SURFACES_MASK);

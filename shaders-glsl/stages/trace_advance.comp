@@ -4,7 +4,6 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
-#extension GL_EXT_control_flow_attributes : require
 
 layout(local_size_x_id = 1) in;
 layout(constant_id = 3) const uint WANTED = 7;
@@ -13,18 +12,15 @@ layout(constant_id = 3) const uint WANTED = 7;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Word { uint at; };
 
-layout(push_constant, scalar) uniform Push {
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters {
     Word totals;
-    Word needed[MAP_COUNT];
-} push;
+    Word needed[2 * MAP_COUNT];
+};
+
+layout(push_constant, scalar) uniform Push { Parameters push; };
 
 void main() {
     uint map = gl_LocalInvocationID.x;
-    if (map >= MAP_COUNT || (WANTED >> map & 1u) == 0u) return;
-    // With constant indices, since some drivers do not support others for push constants.
-    Word needed = push.needed[0];
-    [[unroll]] for (uint m = 1u; m < MAP_COUNT; ++m) {
-        if (map == m) needed = push.needed[m];
-    }
-    needed.at += push.totals[map].at;
+    if (map >= 2 * MAP_COUNT || (WANTED >> map & 1u) == 0u) return;
+    push.needed[map].at += push.totals[map].at;
 }

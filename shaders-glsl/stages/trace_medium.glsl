@@ -29,10 +29,10 @@ const float LAST_PLACE = 0.99999994;
 // the light may be focused. `block` is that of its random numbers, less the number of the event.
 void deposit(inout Path path, uint index, float from, float to, float column, uint block) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
-    if ((WANTED >> map & 1u) == 0u) return;
+    if ((WANTED_IN_MEDIA >> map & 1u) == 0u) return;
     Medium medium = push.scene.media[index].at;
     uint count = path.specular_only ? FLIGHT_FOCUSED_DEPOSITS : 1u;
-    uint first = stored_in(path.stored, map);
+    uint first = stored_in(path.stored_in_media, map);
     uvec4 words = medium_words(path.numbers, DOMAIN_DEPOSIT, block + path.bounce + path.collisions + AIMED_BLOCKS);
     float channel = unit_f32(words.x), start = unit_f32(words.y);
     for (uint number = 0u; number < count; ++number) {
@@ -49,9 +49,9 @@ void deposit(inout Path path, uint index, float from, float to, float column, ui
         photon.power = power;
         photon.normal = index;
         push.photons[place].at = photon;
-        push.owners[place].at = uvec2(path.index, (first + number) << MAP_BITS | map);
+        push.owners[place].at = uvec2(path.index, (first + number) << MAP_BITS | MAP_COUNT + map);
     }
-    [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? count : 0u;
+    [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored_in_media[m] += map == m ? count : 0u;
 }
 
 // Outcome of a flight: the path reaches its end, or has been scattered and goes on along another ray, or ends.

@@ -6,8 +6,8 @@
 #extension GL_EXT_scalar_block_layout : require
 
 layout(local_size_x_id = 1) in;
-// Photon format of each map, two bits each.
-layout(constant_id = 2) const uint FORMAT = 42;
+// Photon format of each map, on surfaces and in media, two bits each.
+layout(constant_id = 2) const uint FORMAT = 2730;
 
 #include "shading/constants.glsl"
 #include "device/grid.glsl"
@@ -29,8 +29,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     // An array of `count` words for each map: number of photons before those of each path.
     Offsets offsets;
     Cursors cursors;
-    Photons to[MAP_COUNT];
-    Fill fills[MAP_COUNT];
+    Photons to[2 * MAP_COUNT];
+    Fill fills[2 * MAP_COUNT];
     uint count;
     uint places;
 };

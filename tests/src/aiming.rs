@@ -102,7 +102,7 @@ fn caustics<T: TestBackend>(
             on.clear(&mut kept).unwrap();
             emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
             let deposits = PerMap::only(MapKind::Caustic, &mut kept);
-            tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
+            tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
             let tally = tracer.take_tally(&mut on).unwrap();
             assert!(
                 tally.balances() && tally.stored[MapKind::Direct] + tally.stored[MapKind::Global] == 0,

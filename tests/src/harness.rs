@@ -185,7 +185,7 @@ impl<B: TransportBackend> Tracing<B> {
     pub fn follow(&mut self, paths: Range<u32>, rays: &B::Buffer<PhotonRay>) {
         let deposits = self.photons.each_mut().map(Some);
         let batch = Batch { pass: self.pass, paths };
-        self.stages.tracer.trace(&mut self.on, &self.prepared, &batch, rays, deposits).unwrap();
+        self.stages.tracer.trace(&mut self.on, &self.prepared, &batch, rays, deposits, PerMap::default()).unwrap();
     }
 
     /// The photons of each map, and the tally.

@@ -71,7 +71,7 @@ fn landed<B: TransportBackend>(
         paths: 0..rays.len() as u32,
     };
     let deposits = PerMap::only(MapKind::Direct, &mut photons);
-    stages.tracer.trace(on, &prepared, &batch, &there, deposits).unwrap();
+    stages.tracer.trace(on, &prepared, &batch, &there, deposits, PerMap::default()).unwrap();
     assert_eq!(stages.tracer.take_tally(on).unwrap().surfaces, rays.len() as u64);
     photons
 }

@@ -70,8 +70,6 @@ impl TransportBackend for Cpu {
                 }),
             }),
             media: required.media.contains(MediaFeatures::SCATTERING).then(|| MediaStages {
-                tracer: Box::new(CpuTracer::in_media(settings, required, false)),
-                aimed: Box::new(CpuTracer::in_media(settings, required, true)),
                 eye: Box::new(CpuEye {
                     max_bounces: settings.max_bounces,
                     hides_background: false,

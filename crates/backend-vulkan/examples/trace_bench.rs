@@ -71,7 +71,8 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
             on.mark(Some(Stage::Emit));
             stages.emitter.emit(&mut on, &prepared, &batch, &mut rays)?;
             on.mark(Some(Stage::Trace));
-            stages.tracer.trace(&mut on, &prepared, &batch, &rays, maps.each_mut().map(Option::as_mut))?;
+            let deposits = maps.each_mut().map(Option::as_mut);
+            stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default())?;
             on.mark(None);
             let took = on.timings()?;
             let tally = stages.tracer.take_tally(&mut on)?;

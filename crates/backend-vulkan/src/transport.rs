@@ -95,10 +95,7 @@ impl TransportBackend for Vulkan {
                 None
             },
             media: if required.media.contains(MediaFeatures::SCATTERING) {
-                let [paths, aimed] = [PhotonPaths::new(settings), PhotonPaths::aimed(settings)];
                 Some(MediaStages {
-                    tracer: Box::new(VulkanTracer::new(self, settings, paths.in_media())?),
-                    aimed: Box::new(VulkanTracer::new(self, settings, aimed.in_media())?),
                     eye: Box::new(VulkanEye::new(self, settings, EyePaths::for_segments(required))?),
                     direct: Box::new(VulkanDirect { kernel: medium_direct::kernel, domain: Domain::Segment }),
                     estimator: Box::new(VulkanBeamEstimator::default()),

@@ -339,7 +339,7 @@ fn photons(scene: &Scene, paths: u32) -> PerMap<Vec<Photon>> {
     let batch = Batch { pass: pass(0), paths: 0..paths };
     stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
     let deposits = buffers.each_mut().map(Some);
-    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
+    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
     buffers.map(|buffer| buffer.as_slice().to_vec())
 }
 

@@ -74,7 +74,7 @@ fn trace<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> TraceOutp
             rays = on.upload("rays", &home).unwrap();
         }
         let deposits = buffers.each_mut().map(Some);
-        stages.tracer.trace(on, &prepared, &batch, &rays, deposits).unwrap();
+        stages.tracer.trace(on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
         all.extend(home);
     }
     let needed = buffers.each_ref().map(|buffer| on.fill(buffer).unwrap().needed);

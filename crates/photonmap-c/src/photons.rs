@@ -83,7 +83,7 @@ impl PmPhotons {
                     maps[kind] = Some(on.alloc::<Photon>(kind.label(), capacity)?);
                 }
                 let deposits = maps.each_mut().map(Option::as_mut);
-                stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits)?;
+                stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default())?;
                 let mut needed = 0;
                 for buffer in maps.values().flatten() {
                     needed = needed.max(on.fill(buffer)?.needed);

@@ -161,7 +161,7 @@ pub(crate) fn trace_without_maps<T: TestBackend>(scene: &Scene, settings: &Setti
     let batch = Batch { pass, paths: 0..count };
     stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
     let deposits = PerMap::default();
-    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits).unwrap();
+    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
     stages.tracer.take_tally(&mut on).unwrap()
 }
 

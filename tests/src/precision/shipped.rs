@@ -86,7 +86,7 @@ pub fn photons(scene: &Scene, rays: &[PhotonRay], max_bounces: u32) -> (Vec<Vec<
         let deposits = buffers.each_mut().map(Some);
         let one = on.upload("ray", std::slice::from_ref(ray)).unwrap();
         let batch = Batch { pass: PASS, paths: path..path + 1 };
-        stages.tracer.trace(&mut on, &prepared, &batch, &one, deposits).unwrap();
+        stages.tracer.trace(&mut on, &prepared, &batch, &one, deposits, PerMap::default()).unwrap();
         lengths.push(buffers.each_ref().map(|buffer| on.fill(buffer).unwrap().length as usize));
     }
     let lost = stages.tracer.take_tally(&mut on).unwrap();

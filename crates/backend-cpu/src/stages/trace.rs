@@ -35,8 +35,6 @@ pub(crate) struct CpuTracer {
     nested: bool,
     aimed: bool,
     reflections: bool,
-    /// Whether photons in media are stored, instead of those on surfaces.
-    in_media: bool,
     caustic_roughness: Option<f32>,
     tally: Tally,
 }
@@ -45,19 +43,14 @@ impl CpuTracer {
     pub(crate) fn new(settings: &Settings, required: &Requirements) -> Self {
         let (scheduling, max_bounces) = (settings.scheduling, settings.max_bounces);
         let nested = required.media.contains(MediaFeatures::NESTED);
-        let (aimed, reflections, in_media, tally) = (false, false, false, Tally::default());
+        let (aimed, reflections, tally) = (false, false, Tally::default());
         let (features, caustic_roughness) = (required.features, required.caustic_roughness(settings));
-        Self { scheduling, max_bounces, features, nested, aimed, reflections, in_media, caustic_roughness, tally }
+        Self { scheduling, max_bounces, features, nested, aimed, reflections, caustic_roughness, tally }
     }
 
     /// For aimed paths, which end at the first diffuse surface.
     pub(crate) fn aimed(settings: &Settings, required: &Requirements) -> Self {
         Self { aimed: true, ..Self::new(settings, required) }
-    }
-
-    /// For [`photon_core::MediaStages`].
-    pub(crate) fn in_media(settings: &Settings, required: &Requirements, aimed: bool) -> Self {
-        Self { aimed, in_media: true, ..Self::new(settings, required) }
     }
 
     /// For [`photon_core::GlossCaustics`]: aimed or not, paths end at the first surface that is not perfectly specular.
@@ -70,6 +63,7 @@ impl CpuTracer {
 #[derive(Default)]
 pub(super) struct TraceOutput {
     pub(super) photons: PerMap<PhotonList>,
+    in_media: PerMap<PhotonList>,
     tally: Tally,
 }
 
@@ -90,6 +84,18 @@ impl PhotonList {
     }
 }
 
+fn append(found: &PerMap<PhotonList>, targets: &mut Deposits<'_, Cpu>) -> Result<()> {
+    for (kind, photons) in found.iter() {
+        if let Some(refused) = photons.refused {
+            return Err(refused.into());
+        }
+        if let Some(target) = &mut targets[kind] {
+            target.append_photons(&photons.stored);
+        }
+    }
+    Ok(())
+}
+
 impl Tracer<Cpu> for CpuTracer {
     fn trace(
         &mut self,
@@ -98,8 +104,10 @@ impl Tracer<Cpu> for CpuTracer {
         batch: &Batch,
         rays: &CpuBuffer<PhotonRay>,
         mut deposits: Deposits<'_, Cpu>,
+        mut in_media: Deposits<'_, Cpu>,
     ) -> Result<()> {
-        let wanted = deposits.each_ref().map(|target| target.is_some());
+        let [wanted, wanted_in_media] =
+            [&deposits, &in_media].map(|targets| targets.each_ref().map(|target| target.is_some()));
         let in_batches = scene.traces_batches();
         let follow = match (in_batches, self.reflections) {
             (true, true) => follow::<{ REFLECTIONS | BATCHED }>,
@@ -111,8 +119,8 @@ impl Tracer<Cpu> for CpuTracer {
             (false, false) => kernel(self.features, (self.nested, scene.disperses), self.aimed),
         };
         let all_lights = self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic);
-        let (max_bounces, in_media) = (self.max_bounces, self.in_media);
-        let walk = Walk { scene, batch, wanted, max_bounces, all_lights, in_media, in_batches, follow };
+        let max_bounces = self.max_bounces;
+        let walk = Walk { scene, batch, wanted, wanted_in_media, max_bounces, all_lights, in_batches, follow };
         let rays = rays.as_slice();
         let outputs = match self.scheduling {
             Scheduling::Static => share_statically(on, &walk, rays),
@@ -120,14 +128,8 @@ impl Tracer<Cpu> for CpuTracer {
         };
         for output in outputs? {
             self.tally.merge(&output.tally);
-            for (kind, photons) in output.photons.iter() {
-                if let Some(refused) = photons.refused {
-                    return Err(refused.into());
-                }
-                if let Some(target) = &mut deposits[kind] {
-                    target.append_photons(&photons.stored);
-                }
-            }
+            append(&output.photons, &mut deposits)?;
+            append(&output.in_media, &mut in_media)?;
         }
         scene.check_caster()
     }
@@ -146,12 +148,11 @@ type Follow = fn(&Walk<'_>, &PhotonRay, &mut TraceOutput, &mut Paused);
 pub(super) struct Walk<'a> {
     pub(super) scene: &'a CpuScene,
     batch: &'a Batch,
-    pub(super) wanted: PerMap<bool>,
+    wanted: PerMap<bool>,
+    pub(super) wanted_in_media: PerMap<bool>,
     max_bounces: u32,
     /// Whether photons for reflections are stored of all lights, with a mark: [`gloss_caustics`].
     all_lights: bool,
-    /// [`CpuTracer::in_media`].
-    in_media: bool,
     in_batches: bool,
     pub(super) follow: Follow,
 }
@@ -269,9 +270,8 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
             Ok(Some(found)) => found,
             Ok(None) => {
                 if scatters {
-                    let target = walk.in_media.then_some(&mut output.photons);
                     let flown = Flown { ray, end: f32::INFINITY, media, bounce, specular_only };
-                    let crossing = in_medium.fly(walk, &flown, &mut power, target);
+                    let crossing = in_medium.fly(walk, &flown, &mut power, &mut output.in_media);
                     if matches!(crossing, Crossing::Absorbed) {
                         return tally.end(Fate::Absorbed, flux);
                     }
@@ -309,9 +309,8 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         }
         let mut interface = scene.interface_by(&surface, media, nested);
         if scatters {
-            let target = walk.in_media.then_some(&mut output.photons);
             let flown = Flown { ray, end: surface.t, media: interface.before, bounce, specular_only };
-            let crossing = in_medium.fly(walk, &flown, &mut power, target);
+            let crossing = in_medium.fly(walk, &flown, &mut power, &mut output.in_media);
             if matches!(crossing, Crossing::Absorbed) {
                 return tally.end(Fate::Absorbed, flux);
             }
@@ -339,8 +338,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         // Aimed paths store no photon at the first surface: light straight from a light source is not theirs to count.
         let is_first = aimed && bounce == 0;
         let kind = MapKind::of_path(specular_only, bounce);
-        let target =
-            if is_first || walk.in_media || !walk.wanted[kind] { None } else { Some(&mut output.photons[kind]) };
+        let target = if is_first || !walk.wanted[kind] { None } else { Some(&mut output.photons[kind]) };
         let met = if features.intersects(Features::RANDOM_SURFACES) { Some((scene, &hit)) } else { None };
         let wo = -ray.direction;
         let store = Store { target, kind, surface: &surface, wo, met, mark: None };

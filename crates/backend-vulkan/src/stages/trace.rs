@@ -19,7 +19,7 @@ use self::push::{
     AdvanceConstants, AdvancePush, Chunk, ReorderConstants, ScatterPush, TallyConstants, TallyPush, TraceConstants,
     TracePush,
 };
-use self::scratch::{CURSORS, PLACE, ROUNDS, TOTALS, TraceScratch};
+use self::scratch::{CURSORS, MAPS, PLACE, ROUNDS, TOTALS, TraceScratch};
 use super::tally::{WORDS, tally};
 use crate::device::buffer::VulkanBuffer;
 use crate::device::{ComputePipeline, Memory};
@@ -63,14 +63,27 @@ pub(crate) struct PhotonPaths {
     is_aimed: bool,
     /// Whether photons are those of [`photon_core::GlossCaustics`].
     reflections: bool,
-    /// Whether photons are those of [`photon_core::MediaStages`].
-    in_media: bool,
     /// [`photon_core::Requirements::caustic_roughness`].
     caustic_roughness: Option<f32>,
 }
 
+/// One element for each map of photons on surfaces, then for each of photons in media.
+pub(crate) type Places<T> = [PerMap<T>; 2];
+
 /// The buffer of each map that is required.
-type Targets<'a> = PerMap<Option<&'a VulkanBuffer<Photon>>>;
+type Targets<'a> = Places<Option<&'a VulkanBuffer<Photon>>>;
+
+/// The elements of all maps, by their numbers in kernels.
+fn numbered<T>(places: Places<T>) -> [T; MAPS] {
+    let [[a, b, c], [d, e, f]] = places.map(PerMap::into_array);
+    [a, b, c, d, e, f]
+}
+
+/// Bits of the maps that are required, by their numbers.
+fn bits<T>(places: &Places<Option<T>>) -> u32 {
+    let [surfaces, media] = places.each_ref().map(|maps| maps.each_ref().map(|map| map.is_some()).bits());
+    surfaces | media << MapKind::COUNT
+}
 
 impl VulkanTracer {
     pub(crate) fn new(on: &mut Vulkan, settings: &Settings, paths: PhotonPaths) -> Result<Self> {
@@ -100,7 +113,7 @@ impl PhotonPaths {
     /// All paths that are not aimed.
     pub(crate) fn new(settings: &Settings) -> Self {
         let scheduling = settings.scheduling;
-        Self { scheduling, is_aimed: false, reflections: false, in_media: false, caustic_roughness: None }
+        Self { scheduling, is_aimed: false, reflections: false, caustic_roughness: None }
     }
 
     /// Aimed paths, which end at the first diffuse surface.
@@ -114,18 +127,13 @@ impl PhotonPaths {
         Self { reflections: true, caustic_roughness, ..Self::aimed(settings) }
     }
 
-    /// Paths of [`photon_core::MediaStages`].
-    pub(crate) fn in_media(self) -> Self {
-        Self { in_media: true, ..self }
-    }
-
     /// The kernel that traces paths.
-    fn kernel(&self, on: &mut Vulkan, scene: &SceneKind, random: RandomKind, wanted: PerMap<bool>) -> ComputePipeline {
+    fn kernel(&self, on: &mut Vulkan, scene: &SceneKind, random: RandomKind, wanted: u32) -> ComputePipeline {
         let plan = on.trace_plan;
         let constants = TraceConstants {
             features: scene.features,
             random: random as u32,
-            wanted: wanted.bits(),
+            wanted,
             dynamic: self.scheduling == Scheduling::Dynamic,
             busy: plan.busy,
             aimed: self.is_aimed,
@@ -133,20 +141,19 @@ impl PhotonPaths {
             reflections: self.reflections,
             shared_groups: plan.shared_groups,
             all_lights: self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic),
-            in_media: self.in_media,
         };
         on.kernel(&shaders::STAGES_TRACE, plan.group, &constants)
     }
 
     /// The kernels that sum what became of paths, and put photons in order.
-    fn arranging(&self, on: &mut Vulkan, formats: PerMap<Option<PhotonFormat>>) -> [ComputePipeline; 3] {
-        let wanted = formats.map(|format| format.is_some()).bits();
-        let format = |(kind, format): (MapKind, &Option<PhotonFormat>)| {
-            format.map_or(0, |format| format.number() << (2 * kind as u32))
-        };
-        let format = formats.iter().map(format).sum();
+    fn arranging(&self, on: &mut Vulkan, formats: Places<Option<PhotonFormat>>) -> [ComputePipeline; 3] {
+        let wanted = bits(&formats);
+        let number = |format: Option<PhotonFormat>| format.map_or(0, PhotonFormat::number);
+        let format = (0..).zip(numbered(formats)).map(|(map, format)| number(format) << (2 * map)).sum();
+        // Photons in media are those of paths that are counted by the ones on surfaces.
+        let counted = wanted & ((1 << MapKind::COUNT) - 1);
         [
-            on.kernel(&shaders::STAGES_TALLY, GROUP, &TallyConstants { wanted }),
+            on.kernel(&shaders::STAGES_TALLY, GROUP, &TallyConstants { wanted: counted }),
             on.kernel(&shaders::STAGES_TRACE_REORDER, 256, &ReorderConstants { format }),
             on.kernel(&shaders::STAGES_TRACE_ADVANCE, 32, &AdvanceConstants { wanted }),
         ]
@@ -158,9 +165,9 @@ impl PhotonPaths {
         on: &mut Vulkan,
         scene: &SceneKind,
         random: RandomKind,
-        formats: PerMap<Option<PhotonFormat>>,
+        formats: Places<Option<PhotonFormat>>,
     ) {
-        self.kernel(on, scene, random, formats.map(|format| format.is_some()));
+        self.kernel(on, scene, random, bits(&formats));
         self.arranging(on, formats);
     }
 }
@@ -172,24 +179,23 @@ impl Tracer<Vulkan> for VulkanTracer {
         scene: &VulkanScene,
         batch: &Batch,
         rays: &VulkanBuffer<PhotonRay>,
-        mut deposits: Deposits<'_, Vulkan>,
+        deposits: Deposits<'_, Vulkan>,
+        in_media: Deposits<'_, Vulkan>,
     ) -> Result<()> {
+        let deposits = [deposits, in_media];
         let count = on.length(rays)?;
         let mut first = 0;
         while first < count {
             let chunk = self.longest.min(count - first);
-            let targets = deposits.each_ref().map(Option::as_deref);
+            let targets = deposits.each_ref().map(|maps| maps.each_ref().map(Option::as_deref));
             let places = on.trace_plan.places.min(self.most(&targets, chunk));
             self.scratch(on, chunk, places, &scene.kind)?;
-            if self.chunk(on, scene, batch, rays, &mut deposits, first, chunk)? {
+            if self.chunk(on, scene, batch, rays, targets, first, chunk)? {
                 first += chunk;
             }
         }
         self.emitted += count;
-        for (_, target) in deposits {
-            let Some(target) = target else { continue };
-            target.touch();
-        }
+        numbered(deposits).into_iter().flatten().for_each(|target| target.touch());
         Ok(())
     }
 
@@ -215,14 +221,12 @@ impl VulkanTracer {
         scene: &VulkanScene,
         batch: &Batch,
         rays: &VulkanBuffer<PhotonRay>,
-        deposits: &mut Deposits<'_, Vulkan>,
+        targets: Targets<'_>,
         first: u64,
         count: u64,
     ) -> Result<bool> {
-        let targets = deposits.each_ref().map(Option::as_deref);
-        let wanted = targets.map(|target| target.is_some());
         let pass = batch.pass;
-        let trace = self.paths.kernel(on, &scene.kind, pass.random, wanted);
+        let trace = self.paths.kernel(on, &scene.kind, pass.random, bits(&targets));
         loop {
             let Some(scratch) = &self.scratch else { return Ok(false) };
             on.fill_words(&scratch.cursors, 0, CURSORS, 0)?;
@@ -261,16 +265,14 @@ impl VulkanTracer {
     /// Upper bound on the photons of `count` paths that must be stored. Photons beyond the capacity of all maps
     /// together are not needed: then one map has overflowed, and its content does not matter.
     fn most(&self, targets: &Targets<'_>, count: u64) -> u64 {
-        let held = targets.values().flatten().map(|target| target.capacity()).sum::<u64>();
+        let held = targets.iter().flat_map(PerMap::values).flatten().map(|target| target.capacity()).sum::<u64>();
         let stretches = u64::from(self.max_bounces);
-        let each = match (self.paths.in_media, self.paths.is_aimed) {
-            // After the first collision one photon for each stretch.
-            (true, _) => stretches * u64::from(FOCUSED_DEPOSITS) + u64::from(MAX_COLLISIONS) + 1,
-            // An aimed path stores at most one photon, at its end.
-            (false, true) => 1,
-            (false, false) => stretches,
-        };
-        held.min(count.saturating_mul(each))
+        // An aimed path stores at most one photon on surfaces, at its end.
+        let on_surfaces = if self.paths.is_aimed { 1 } else { stretches };
+        // After the first collision one photon for each stretch.
+        let focused = stretches * u64::from(FOCUSED_DEPOSITS) + u64::from(MAX_COLLISIONS) + 1;
+        let in_media = if targets[1].values().any(Option::is_some) { focused } else { 0 };
+        held.min(count.saturating_mul(on_surfaces + in_media))
     }
 
     /// Maximum number of surfaces and collisions of a path.
@@ -345,7 +347,7 @@ impl VulkanTracer {
         count: u64,
     ) -> Result<()> {
         let Some(scratch) = &self.scratch else { return Ok(()) };
-        let wanted = targets.map(|target| target.is_some());
+        let wanted = bits(&targets);
         let push = TallyPush {
             rays: rays.data_address(),
             endings: scratch.endings.address(),
@@ -354,18 +356,17 @@ impl VulkanTracer {
             first: first as u32,
             count: count as u32,
         };
-        let formats = targets.map(|target| target.map(VulkanBuffer::photon_format));
+        let formats = targets.map(|maps| maps.map(|target| target.map(VulkanBuffer::photon_format)));
         let [sum, scatter, advance] = self.paths.arranging(on, formats);
         on.dispatch(&sum, &push, count.div_ceil(u64::from(GROUP) * 16).min(512))?;
-        if !wanted.any() {
+        if wanted == 0 {
             return Ok(());
         }
-        for (kind, _) in wanted.iter().filter(|(_, wanted)| **wanted) {
-            let map = kind as u64;
+        for map in (0..MAPS as u64).filter(|map| wanted >> map & 1 != 0) {
             let part = scratch.stored.address() + map * count * 4;
             self.scan.exclusive(on, part, part, count, scratch.cursors.address() + TOTALS + map * 4)?;
         }
-        let address = |of: fn(&VulkanBuffer<Photon>) -> u64| targets.map(|target| target.map_or(0, of)).into_array();
+        let address = |of: fn(&VulkanBuffer<Photon>) -> u64| numbered(targets).map(|target| target.map_or(0, of));
         let push = ScatterPush {
             photons: scratch.photons.address(),
             owners: scratch.owners.address(),

@@ -50,13 +50,10 @@ fn photons(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
             continue;
         }
         let paths = if is_aimed { PhotonPaths::aimed(settings) } else { PhotonPaths::new(settings) };
-        paths.announce(on, scene, settings.random, plain);
-        if any(in_media) {
-            paths.in_media().announce(on, scene, settings.random, in_media);
-        }
+        paths.announce(on, scene, settings.random, [plain, in_media]);
         if any(reflected) {
             let paths = PhotonPaths::for_reflections(settings, passes.required);
-            paths.announce(on, scene, settings.random, reflected);
+            paths.announce(on, scene, settings.random, [reflected, PerMap::default()]);
         }
         emit::kernel(on, scene, settings.random, is_aimed);
     }

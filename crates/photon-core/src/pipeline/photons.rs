@@ -122,13 +122,16 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.mark(Some(Stage::Emit));
         emitter.emit(&mut self.on, &self.scene, &batch, &mut self.rays)?;
         self.on.mark(Some(Stage::Trace));
-        tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits)?;
+        tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits, in_media)?;
         if let Some(caustics) = stages.gloss_caustics.as_mut().filter(|_| reflected.values().any(Option::is_some)) {
-            caustics.tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, reflected)?;
-        }
-        if let Some(media) = stages.media.as_mut().filter(|_| in_media.values().any(Option::is_some)) {
-            let tracer = if aimed { &mut media.aimed } else { &mut media.tracer };
-            tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, in_media)?;
+            caustics.tracer.trace(
+                &mut self.on,
+                &self.scene,
+                &batch,
+                &self.rays,
+                reflected,
+                Deposits::<B>::default(),
+            )?;
         }
         self.on.mark(None);
         Ok(())
@@ -138,10 +141,6 @@ impl<B: TransportBackend> Pipeline<B> {
     pub(super) fn forget_repeated_tallies(&mut self) -> Result<()> {
         if let Some(caustics) = &mut self.stages.gloss_caustics {
             caustics.tracer.take_tally(&mut self.on)?;
-        }
-        if let Some(media) = &mut self.stages.media {
-            media.tracer.take_tally(&mut self.on)?;
-            media.aimed.take_tally(&mut self.on)?;
         }
         Ok(())
     }

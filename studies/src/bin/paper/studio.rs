@@ -161,7 +161,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
             let mut deposits: Deposits<'_, B> = PerMap::default();
             deposits[MapKind::Caustic] = caustic.as_mut();
             deposits[MapKind::Global] = global.as_mut();
-            stages.tracer.trace(&mut self.on, &self.scene, &batch, rays, deposits)?;
+            stages.tracer.trace(&mut self.on, &self.scene, &batch, rays, deposits, PerMap::default())?;
             first = end;
         }
         self.on.mark(None);

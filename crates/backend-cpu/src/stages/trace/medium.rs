@@ -70,13 +70,13 @@ impl MediumWalk {
         walk: &Walk<'_>,
         flown: &Flown,
         power: &mut Vec3,
-        mut photons: Option<&mut PerMap<PhotonList>>,
+        photons: &mut PerMap<PhotonList>,
     ) -> Crossing {
         let mut number = 0;
         for stretch in walk.scene.stretches(&flown.ray, flown.end, flown.media) {
             let medium = walk.scene.medium_at(stretch.medium);
             if medium.scatters() {
-                match self.cross(walk, (flown, &stretch, number << STRETCH_BITS), power, photons.as_deref_mut()) {
+                match self.cross(walk, (flown, &stretch, number << STRETCH_BITS), power, photons) {
                     Crossing::Passes => number = (number + 1) & MOST_STRETCHES,
                     ends => return ends,
                 }
@@ -93,17 +93,15 @@ impl MediumWalk {
         walk: &Walk<'_>,
         (flown, stretch, block): (&Flown, &Stretch, u32),
         power: &mut Vec3,
-        photons: Option<&mut PerMap<PhotonList>>,
+        photons: &mut PerMap<PhotonList>,
     ) -> Crossing {
         let Flown { ray, bounce, specular_only, .. } = *flown;
         let event = bounce + self.collisions;
         let (medium, column) = (walk.scene.medium_at(stretch.medium), walk.scene.column(&ray, stretch));
         // Shadow rays find light that comes straight from a light source.
-        if let Some(photons) = photons.filter(|_| event > 0) {
-            let kind = MapKind::of_path(specular_only, bounce);
-            if walk.wanted[kind] && column > 0.0 {
-                self.deposit(walk, (flown, stretch, block), column, *power, &mut photons[kind]);
-            }
+        let kind = MapKind::of_path(specular_only, bounce);
+        if event > 0 && walk.wanted_in_media[kind] && column > 0.0 {
+            self.deposit(walk, (flown, stretch, block), column, *power, &mut photons[kind]);
         }
         if self.is_aimed {
             *power *= flight::transmittance(medium, column);

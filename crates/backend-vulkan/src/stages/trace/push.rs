@@ -73,8 +73,7 @@ parameters! {
 specialized!(
     trace_constants: TraceConstants => STAGES_TRACE,
     0 features: Features, 2 random: u32, 3 wanted: u32, 4 dynamic: bool, 5 busy: u32, 6 aimed: bool,
-    7 media: MediaFeatures, 8 reflections: bool, 10 shared_groups: u32, 11 all_lights: bool,
-    12 in_media: bool
+    7 media: MediaFeatures, 8 reflections: bool, 10 shared_groups: u32, 11 all_lights: bool
 );
 
 specialized!(tally_constants: TallyConstants => STAGES_TALLY, 3 wanted: u32);

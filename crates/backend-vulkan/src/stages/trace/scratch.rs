@@ -1,6 +1,6 @@
 //! Scratch buffers of photon tracing.
 
-use photon_core::{MapKind, Photon, Result};
+use photon_core::{MapKind, MediaFeatures, Photon, Result};
 
 use super::push::Chunk;
 use super::{VulkanTracer, surfaces};
@@ -31,10 +31,10 @@ pub(super) const TOTALS: u64 = 4;
 pub(super) const ROUNDS: u64 = (TOTALS + 4 * MAPS as u64).next_multiple_of(8);
 pub(super) const CURSORS: u64 = ROUNDS + 16;
 
-/// Maps that photons are stored in.
-pub(super) const MAPS: usize = MapKind::COUNT;
+/// Maps that photons are stored in, on surfaces and in media.
+pub(super) const MAPS: usize = 2 * MapKind::COUNT;
 /// Bytes of `State` of trace.comp.
-const STATE: u64 = (4 * (13 + MAPS as u64)).next_multiple_of(16);
+const STATE: u64 = (4 * (13 + MapKind::COUNT as u64)).next_multiple_of(16);
 
 impl VulkanTracer {
     /// Allocates scratch buffers for chunks of `paths` paths in this kind of scene, and `places` photons.
@@ -44,26 +44,26 @@ impl VulkanTracer {
         }
         self.scratch = None;
         let long = self.events(scene) > surfaces(on, scene);
+        let counts = if scene.media.contains(MediaFeatures::SCATTERING) { MAPS } else { MapKind::COUNT };
+        let counts = 4 * counts as u64;
         let scratch = TraceScratch {
             paths,
             places,
             photons: on.memory("photons in no order", places * size_of::<Photon>() as u64)?,
             owners: on.memory("owners of photons", places * 8)?,
-            stored: on.memory("photons per path", paths * MAPS as u64 * 4)?,
+            stored: on.memory("photons per path", paths * counts)?,
             endings: on.memory("ends of paths", paths * 16)?,
             states: on.memory("paths under way", if long { paths * STATE } else { 0 })?,
             waiting: on.memory("paths under way", if long { paths * 8 } else { 0 })?,
             cursors: on.memory("cursors", CURSORS)?,
             chunk: on.memory("stretch", size_of::<Chunk>() as u64)?,
         };
-        let label = match (self.paths.reflections, self.paths.in_media, self.paths.is_aimed) {
-            (true, ..) => "tracing reflected photons",
-            (false, true, false) => "tracing photons in media",
-            (false, true, true) => "tracing aimed photons in media",
-            (false, false, true) => "tracing aimed photons",
-            (false, false, false) => "tracing",
+        let label = match (self.paths.reflections, self.paths.is_aimed) {
+            (true, _) => "tracing reflected photons",
+            (false, true) => "tracing aimed photons",
+            (false, false) => "tracing",
         };
-        let path = 4 * MAPS as u64 + 16 + if long { STATE + 8 } else { 0 };
+        let path = counts + 16 + if long { STATE + 8 } else { 0 };
         on.note_memory(label, places * 40 + paths * path);
         self.scratch = Some(scratch);
         Ok(())

@@ -1,7 +1,7 @@
 //! Stages of media that scatter light.
 
 use crate::backend::TransportBackend;
-use crate::backend::stages::{DirectLight, EstimateBuffers, EyeTracer, Tracer};
+use crate::backend::stages::{DirectLight, EstimateBuffers, EyeTracer};
 use crate::error::Result;
 use crate::scene::layout::Query;
 use crate::settings::kernel::Kernel;
@@ -44,11 +44,6 @@ pub trait BeamEstimator<B: TransportBackend>: Send {
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 // Exhaustive: as `Stages`.
 pub struct MediaStages<B: TransportBackend> {
-    /// Traces the paths of [`crate::Stages::tracer`] once more. On each stretch in a medium that scatters light it stores photons
-    /// whose expected power is that of the light scattered there, but for stretches that begin at a light source.
-    pub tracer: Box<dyn Tracer<B>>,
-    /// Tracer for the paths of [`crate::Aimed`], which never collide, and lose what is attenuated.
-    pub aimed: Box<dyn Tracer<B>>,
     /// Traces camera paths, leaves their segments in such media, at most [`crate::Pipeline`]'s number for each pixel, and adds
     /// nothing to the film.
     pub eye: Box<dyn EyeTracer<B>>,

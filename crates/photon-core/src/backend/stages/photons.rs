@@ -22,6 +22,10 @@ pub trait Tracer<B: TransportBackend>: Send {
     /// Traces `rays`, and appends a photon to one of `deposits` at each diffuse surface met, ordered by
     /// path, then bounce; of each photon the fields that the buffer stores.
     ///
+    /// On each stretch in a medium that scatters light it appends photons to one of `in_media`, in the same order, with the index
+    /// of the medium as [`Photon::normal`]: their expected power is that of the light scattered there. Stretches that begin at a
+    /// light source have none. Aimed paths never collide, and lose what is attenuated.
+    ///
     /// # Errors
     /// Errors of the backend. A full buffer is not an error here; it shows in [`Backend::fill`].
     fn trace(
@@ -31,6 +35,7 @@ pub trait Tracer<B: TransportBackend>: Send {
         batch: &Batch,
         rays: &B::Buffer<PhotonRay>,
         deposits: Deposits<'_, B>,
+        in_media: Deposits<'_, B>,
     ) -> Result<()>;
 
     /// Counts and flux of all paths since the last call. Blocks.

@@ -50,17 +50,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
 layout(push_constant, scalar) uniform Push { Parameters push; };
 
 // The nearest surface that is not glass, and not farther above query `i` than `most`; its `t` is relative to the ray's origin.
-// `hidden` if there is such a surface above it.
-bool opaque_below(Ray ray, uint i, float most, out Surface found, out bool hidden) {
+bool opaque_below(Ray ray, uint i, float most, out Surface found) {
     float passed = 0.0;
-    hidden = false;
     for (uint sheet = 0; sheet <= AREA_SHEETS; sheet++) {
         if (!surface(push.scene, ray, 0u, found)) return false;
         float gone = found.t;
         found.t += passed;
-        bool over = FLAT != 0 && dot3(found.point - push.queries[i].at.position, push.queries[i].at.normal) > most;
-        hidden = hidden || over;
-        bool passes = over;
+        bool passes = FLAT != 0 && dot3(found.point - push.queries[i].at.position, push.queries[i].at.normal) > most;
         if ((FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0) {
             uint kind = push.scene.materials[found.material].at.kind;
             passes = passes || kind == MATERIAL_DIELECTRIC || kind == MATERIAL_THIN;
@@ -74,10 +70,7 @@ bool opaque_below(Ray ray, uint i, float most, out Surface found, out bool hidde
     return false;
 }
 
-bool opaque(Ray ray, out Surface found) {
-    bool hidden;
-    return opaque_below(ray, 0u, NO_LIMIT, found, hidden);
-}
+bool opaque(Ray ray, out Surface found) { return opaque_below(ray, 0u, NO_LIMIT, found); }
 
 // Height above query `i` from which probes start: half that of a ceiling, if it is low.
 float height_over(uint i, float radius) {
@@ -87,15 +80,13 @@ float height_over(uint i, float radius) {
     return opaque(Ray(off_surface(push.queries[i].at.position, normal), normal, height), at) ? 0.5 * at.t : height;
 }
 
-// The ray that is traced next: from the apex along the spoke, down to the surface at a probe, below what hides the probe, or
-// up from its surface.
+// The ray that is traced next: along the spoke, from the apex down to the surface at a probe, or up from that surface.
 const uint ALONG = 0u;
 const uint DOWN = 1u;
-const uint BELOW = 2u;
-const uint UP = 3u;
+const uint UP = 2u;
 
 // Weights of the probes of one spoke of query `i`: of those on the surface, and of all, for the first radius, √2 of it and
-// 1/√2 of it. All rays of a spoke are traced at one place in the code: at four it would take four times as long to compile.
+// 1/√2 of it. All rays of a spoke are traced at one place in the code: at three it would take three times as long to compile.
 void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 found, inout vec3 all) {
     vec3 normal = push.queries[i].at.normal;
     vec3 tangent, bitangent;
@@ -105,12 +96,14 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
     if (REFLECTIONS && (FEATURES & FEATURE_ANISOTROPY) != 0u && key >> 31 != 0u) key = push.queries[i].at.pixel;
     uvec4 words = philox4x32(uvec4(key, 0u, push.pass, DOMAIN_AREA), push.seed);
     float turn = unit_f32(words.x), shift = unit_f32(words.y);
-    vec3 apex = off_surface(push.queries[i].at.position, normal) + normal * height;
+    vec3 from = off_surface(push.queries[i].at.position, normal);
+    vec3 apex = from + normal * height;
     float far = SECOND != 0 ? 1.41421356 * radius : radius;
     vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
     vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
     float most_above = push.max_plane_distance * radius;
-    Ray ray = Ray(apex, direction, far);
+    // What is higher than half the plane distance may keep photons from the surface, or have them on top where none counts.
+    Ray ray = Ray(from + normal * (FLAT != 0 ? min(height, 0.5 * most_above) : height), direction, far);
     uint next = ALONG;
     float free = far, away = 0.0;
     vec3 weights = vec3(0.0);
@@ -122,8 +115,8 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
     bool is_level = true;
     while (true) {
         Surface met;
-        bool hidden;
-        bool meets = opaque_below(ray, i, next == DOWN ? most_above : NO_LIMIT, met, hidden);
+        // Those farther above do not hide the surface: whether something stands in between is seen along the spoke.
+        bool meets = opaque_below(ray, i, next == DOWN ? most_above : NO_LIMIT, met);
         bool counts = false;
         if (next == ALONG) {
             if (meets) free = met.t;
@@ -141,20 +134,11 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
                 weights *= vec3(lessThanEqual(vec3(off), most));
                 counts = weights != vec3(0.0);
             }
-            if (counts && hidden) {
-                // Below what hides it, if nothing is between.
-                vec3 low = apex + normal * (0.5 * most_above - height);
-                ray = Ray(low, direction, away);
-                next = BELOW;
-                continue;
-            }
-        } else if (next == BELOW) {
-            counts = true;
         } else {
             counts = !meets || met.front;
         }
         // Behind an occluder, the point may be inside a solid, where no photon is stored.
-        if (counts && (next == DOWN ? !(away <= free) : next == BELOW && meets)) {
+        if (counts && next == DOWN && !(away <= free)) {
             ray = Ray(off_surface(at.point, at.normal), at.normal, NO_LIMIT);
             next = UP;
             continue;

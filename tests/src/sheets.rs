@@ -166,16 +166,23 @@ pub fn d6_a_sheet_in_the_shade_is_dark<T: TestBackend>() {
 /// from above meet the board first. Within solids it is not: a box that stands there instead hides it, and what is left is as
 /// bright as all of it.
 pub fn d9_a_board_above_hides_no_area<T: TestBackend>() {
-    for (what, bottom, truth) in [("board", 0.3, 0.5), ("sheet", APART, 0.5), ("box", -0.3, 1.0)] {
+    let half = [-0.8, 0.0];
+    for (what, [from, to], bottom, truth) in [
+        ("board", half, 0.3, 0.5),
+        ("sheet", half, APART, 0.5),
+        ("box", half, -0.3, 1.0),
+        // With floor on both sides.
+        ("bar", [-0.6 * REACH, -0.3 * REACH], -0.3, 1.0),
+    ] {
         let mut builder = SceneBuilder::new();
         let grey = builder.material(MaterialDesc::lambert("grey", [0.5; 3]));
         builder.quad("floor", [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]], grey);
         let (low, high) = (bottom * REACH, APART * REACH);
         if low < high {
-            let (positions, triangles) = shapes::cuboid([-0.8, -0.8, low], [0.0, 0.8, high]);
+            let (positions, triangles) = shapes::cuboid([from, -0.8, low], [to, 0.8, high]);
             builder.mesh(what, positions, triangles, grey);
         } else {
-            builder.quad(what, [[-0.8, -0.8, high], [0.0, -0.8, high], [0.0, 0.8, high], [-0.8, 0.8, high]], grey);
+            builder.quad(what, [[from, -0.8, high], [to, -0.8, high], [to, 0.8, high], [from, 0.8, high]], grey);
         }
         builder.light("sun", LightDesc::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
         look_at_point(&mut builder, [1e-5, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0, 1e-6);

@@ -11,7 +11,7 @@ use photon_core::{
 };
 use photon_scene::{Scene, builtin};
 
-const SCENES: [&str; 5] = ["cornell", "cornell-glass", "ring", "pool", "textures"];
+const SCENES: [&str; 6] = ["cornell", "cornell-glass", "ring", "pool", "textures", "glass-fog"];
 const PATHS: u32 = 20_000;
 
 fn scene(name: &str) -> Scene {
@@ -27,9 +27,10 @@ fn settings() -> Settings {
 struct TraceOutput {
     rays: Vec<PhotonRay>,
     photons: PerMap<Vec<Photon>>,
+    in_media: PerMap<Vec<Photon>>,
     tally: Tally,
-    /// Number of photons to be stored in each map, whether or not they fit.
-    needed: PerMap<u64>,
+    /// Number of photons to be stored in each map, on surfaces and in media, whether or not they fit.
+    needed: [PerMap<u64>; 2],
 }
 
 /// Parameters of a trace.
@@ -43,12 +44,22 @@ struct How {
     paths: u32,
     /// Whether the direction of each ray is changed by one unit in the last place.
     is_nudged: bool,
+    /// Whether photons are stored on surfaces, and in media.
+    wanted: [bool; 2],
 }
 
 impl Default for How {
     fn default() -> Self {
         let random = RandomKind::Counter;
-        Self { settings: settings(), cuts: Vec::new(), capacity: 1 << 20, random, paths: PATHS, is_nudged: false }
+        Self {
+            settings: settings(),
+            cuts: Vec::new(),
+            capacity: 1 << 20,
+            random,
+            paths: PATHS,
+            is_nudged: false,
+            wanted: [true; 2],
+        }
     }
 }
 
@@ -57,7 +68,7 @@ fn trace<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> TraceOutp
     let required = Requirements::of(&view, &how.settings);
     let prepared = on.prepare(&view, &required).unwrap();
     let mut stages = on.stages(&required, &how.settings).unwrap();
-    let mut buffers = PerMap::from_fn(|kind| on.alloc::<Photon>(kind.name(), how.capacity).unwrap());
+    let mut buffers = [(); 2].map(|()| PerMap::from_fn(|kind| on.alloc::<Photon>(kind.name(), how.capacity).unwrap()));
     let mut all = Vec::new();
     let mut starts = vec![0];
     starts.extend(&how.cuts);
@@ -73,20 +84,28 @@ fn trace<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> TraceOutp
             home.iter_mut().for_each(|ray| ray.direction = ray.direction.map(f32::next_up));
             rays = on.upload("rays", &home).unwrap();
         }
-        let deposits = buffers.each_mut().map(Some);
-        stages.tracer.trace(on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
+        let [mut surfaces, mut media] = buffers.each_mut().map(|maps| maps.each_mut().map(Some));
+        if !how.wanted[0] {
+            surfaces = PerMap::default();
+        }
+        if !how.wanted[1] {
+            media = PerMap::default();
+        }
+        stages.tracer.trace(on, &prepared, &batch, &rays, surfaces, media).unwrap();
         all.extend(home);
     }
-    let needed = buffers.each_ref().map(|buffer| on.fill(buffer).unwrap().needed);
-    let photons = PerMap::from_fn(|kind| {
-        let mut photons = Vec::new();
-        if needed[kind] <= how.capacity {
-            on.download(&buffers[kind], &mut photons).unwrap();
-        }
-        photons
+    let needed = buffers.each_ref().map(|maps| maps.each_ref().map(|buffer| on.fill(buffer).unwrap().needed));
+    let [photons, in_media] = [0, 1].map(|place: usize| {
+        PerMap::from_fn(|kind| {
+            let mut photons = Vec::new();
+            if needed[place][kind] <= how.capacity {
+                on.download(&buffers[place][kind], &mut photons).unwrap();
+            }
+            photons
+        })
     });
     let tally = stages.tracer.take_tally(on).unwrap();
-    TraceOutput { rays: all, photons, tally, needed }
+    TraceOutput { rays: all, photons, in_media, tally, needed }
 }
 
 fn near(a: [f32; 3], b: [f32; 3], bound: f32) -> bool {
@@ -145,14 +164,17 @@ fn photons_are_those_of_the_processor() {
         assert!(b.tally.balances(), "{name}: {:?}", b.tally);
         let flux = [&a, &b].map(|traced| traced.tally.flux_emitted.value()[0]);
         assert!((flux[0] - flux[1]).abs() <= f64::from(bound) * flux[0], "{name}: {flux:?}");
-        for (kind, ours) in a.photons.iter() {
-            let (map, theirs) = (kind.name(), &b.photons[kind]);
+        let places = |of: TraceOutput| [of.photons, of.in_media];
+        let [a, b, nudged] = [a, b, nudged].map(places);
+        assert_eq!(a[1].values().any(|photons| !photons.is_empty()), name == "glass-fog");
+        for (place, (kind, ours)) in (0..2).flat_map(|place: usize| a[place].iter().map(move |of| (place, of))) {
+            let (map, theirs) = (kind.name(), &b[place][kind]);
             let share = share(ours, theirs);
             let bits = ours.iter().zip(theirs).filter(|(a, b)| a == b).count();
             println!("{name}, {random:?}, {map} map: {} photons, {share:.5} near, {bits} the same", theirs.len());
             // A path that diverges once stays different. Reflection and refraction at curved surfaces amplify rounding
             // errors, of which there is one for each surface: so much also changes if each ray is nudged once.
-            let nudged = self::share(ours, &nudged.photons[kind]);
+            let nudged = self::share(ours, &nudged[place][kind]);
             println!("    {nudged:.5} near after a nudge");
             let bound = (0.002 + 3.0 * (1.0 - nudged)).min(0.05);
             assert!(1.0 - share < bound || ours.is_empty(), "{name}: {map} map: {share}");
@@ -184,12 +206,12 @@ fn the_way_of_sharing_does_not_show() {
     let Some(mut gpu) = low_level::for_tests() else { return };
     let plain =
         TracePlan { group: 32, threads: 1 << 17, quota: 4, busy: 0, shared_groups: 0, surfaces: 16, places: 1 << 20 };
-    for (name, max_bounces) in [("cornell-glass", 40), ("ring", 7)] {
+    for (name, max_bounces) in [("cornell-glass", 40), ("ring", 7), ("glass-fog", 40)] {
         let scene = scene(name);
         let how = |scheduling| How { settings: Settings { scheduling, max_bounces, ..settings() }, ..How::default() };
         low_level::set_trace_plan(&mut gpu, plain);
         let first = trace(&mut gpu, &scene, &how(Scheduling::Static));
-        assert!(first.needed.values().sum::<u64>() > 5000, "{:?}", first.needed);
+        assert!(first.needed[0].values().sum::<u64>() > 5000, "{:?}", first.needed);
         for (scheduling, plan) in [
             (Scheduling::Static, plain),
             (Scheduling::Dynamic, plain),
@@ -209,6 +231,10 @@ fn the_way_of_sharing_does_not_show() {
         let cuts = vec![1, 77, 9000, 19_999];
         let parts = trace(&mut gpu, &scene, &How { cuts, ..how(Scheduling::Dynamic) });
         assert!(parts == first, "{name}: in batches");
+        // Photons of one place are the same without the others.
+        let only = |wanted| How { wanted, ..how(Scheduling::Dynamic) };
+        let parts = [[true, false], [false, true]].map(|wanted| trace(&mut gpu, &scene, &only(wanted)));
+        assert!([&parts[0].photons, &parts[1].in_media] == [&first.photons, &first.in_media], "{name}: one by one");
     }
 }
 

@@ -10,6 +10,17 @@ fn presets_are_valid() {
     }
 }
 
+/// A quarter of the radius only where areas and radii allow it.
+#[test]
+fn the_plane_distance_has_a_default() {
+    let of = |area, estimator, given| {
+        Settings { area, estimator, max_plane_distance: given, ..Settings::default() }.plane_distance()
+    };
+    let (radius, knn) = (Estimator::Radius { radius: None }, Estimator::Knn { k: 9, max_radius: None });
+    assert_eq!([of(Area::Surface, radius, None), of(Area::Surface, radius, Some(0.5))], [0.25, 0.5]);
+    assert_eq!([of(Area::Disc, radius, None), of(Area::Surface, knn, None)], [1.0, 1.0]);
+}
+
 #[test]
 fn nonsense_is_refused_by_name() {
     let base = Settings::default;

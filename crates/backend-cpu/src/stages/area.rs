@@ -177,6 +177,9 @@ impl Disc<'_> {
         let up = Ray { origin: from, direction: normal, t_max: HEIGHT * radius };
         let height = opaque::<ALPHA>(scene, up).map_or(HEIGHT * radius, |(t, _)| 0.5 * t);
         let apex = from + normal * height;
+        // What is higher than half the plane distance may keep photons from the surface, or have them on top where none counts.
+        let most = gather.max_plane_distance * radius;
+        let level = from + normal * if gather.is_flat() { height.min(0.5 * most) } else { height };
         let height_over = |surface: &SurfaceInteraction| (surface.point - Vec3::from(query.position)).dot(normal);
         let (mut found, mut all) = ([0.0; 3], [0.0; 3]);
         let discs = if SECOND { 3 } else { 1 };
@@ -185,7 +188,7 @@ impl Disc<'_> {
             let (mut found_by, mut all_by) = ([0.0; 3], [0.0; 3]);
             let (sine, cosine) = math::sin_cos_turns(area::spoke_turns(spoke, turn));
             let direction = tangent * cosine + bitangent * sine;
-            let free = opaque::<ALPHA>(scene, Ray { origin: apex, direction, t_max: far }).map_or(far, |(t, _)| t);
+            let free = opaque::<ALPHA>(scene, Ray { origin: level, direction, t_max: far }).map_or(far, |(t, _)| t);
             // From the outermost ring inwards: if a ring lies on the surface and is not occluded, so do all rings
             // inside it.
             let mut whole = false;
@@ -204,26 +207,15 @@ impl Disc<'_> {
                 }
                 let away = distance * radius;
                 let down = Ray { origin: apex + direction * away, direction: -normal, t_max: 2.0 * height };
-                let mut hidden = false;
-                let above = |surface: &SurfaceInteraction| {
-                    let over = gather.is_flat() && height_over(surface) > gather.max_plane_distance * radius;
-                    hidden |= over;
-                    over
-                };
+                // Those farther above do not hide it: whether something stands in between is seen along the spoke.
+                let above = |surface: &SurfaceInteraction| gather.is_flat() && height_over(surface) > most;
                 let Some((_, surface)) = opaque_where::<ALPHA>(scene, down, above) else { continue };
                 let off = height_over(&surface).abs();
-                // Below what hides it, if nothing is between.
-                let is_open = if hidden {
-                    let low = from + normal * (0.5 * gather.max_plane_distance * radius);
-                    opaque::<ALPHA>(scene, Ray { origin: low, direction, t_max: away }).is_none()
-                } else {
-                    away <= free
-                };
+                let is_open = away <= free;
                 if self.keeps(&surface) && (is_open || !enclosed::<ALPHA>(scene, &surface)) {
                     // The outer probe exists only if error moments are requested. It must not decide for the rings
                     // inside it, since the image must be the same either way.
-                    let is_level = !gather.is_flat() || off <= gather.max_plane_distance * radius;
-                    whole = ring < RINGS && !hidden && is_level && away <= free;
+                    whole = ring < RINGS && is_open && (!gather.is_flat() || off <= most);
                     for i in 0..discs {
                         let most = gather.max_plane_distance * (RADII[i] * radius);
                         found_by[i] += if !gather.is_flat() || off <= most { weights[i] } else { 0.0 };

@@ -150,7 +150,7 @@ impl PhotonPaths {
         let wanted = bits(&formats);
         let number = |format: Option<PhotonFormat>| format.map_or(0, PhotonFormat::number);
         let format = (0..).zip(numbered(formats)).map(|(map, format)| number(format) << (2 * map)).sum();
-        // Photons in media are those of paths that are counted by the ones on surfaces.
+        // The tally counts photons on surfaces only.
         let counted = wanted & ((1 << MapKind::COUNT) - 1);
         [
             on.kernel(&shaders::STAGES_TALLY, GROUP, &TallyConstants { wanted: counted }),
@@ -182,7 +182,9 @@ impl Tracer<Vulkan> for VulkanTracer {
         deposits: Deposits<'_, Vulkan>,
         in_media: Deposits<'_, Vulkan>,
     ) -> Result<()> {
-        let deposits = [deposits, in_media];
+        // Kernels for other scenes have no media.
+        let scatters = scene.kind.media.contains(MediaFeatures::SCATTERING);
+        let deposits = [deposits, if scatters { in_media } else { PerMap::default() }];
         let count = on.length(rays)?;
         let mut first = 0;
         while first < count {

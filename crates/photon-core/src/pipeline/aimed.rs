@@ -79,9 +79,7 @@ pub(super) fn stages<B: TransportBackend>(
 /// Memory of a backend with all its tracers: those for aimed paths, and for caustics in reflections, have memory of their
 /// own.
 pub(super) fn costs<B: TransportBackend>(costs: Costs, stages: &Stages<B>) -> Costs {
-    let more = u64::from(stages.aimed.is_some())
-        + u64::from(stages.gloss_caustics.is_some())
-        + 2 * u64::from(stages.media.is_some());
+    let more = u64::from(stages.aimed.is_some()) + u64::from(stages.gloss_caustics.is_some());
     Costs { path: costs.path + more * (costs.path / 2), ..costs }
 }
 

@@ -44,9 +44,9 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.accumulate(&mut self.film, built.kind.layer(), segments, estimates, built.paths)
     }
 
-    /// The radius within which the median segment that sees photons of the pilot pass has the noise of `wanted` of equal
-    /// power: behind several mean free paths, or beside the peak of a phase function, photons count for little. Their number
-    /// grows as the square of the radius.
+    /// The radius within which the median segment that sees photons of the pilot pass sees `wanted` effective ones
+    /// ([`Estimate::effective_photons`]), whose number grows as the square of the radius. Behind several mean free paths, or
+    /// beside the peak of a phase function, photons count for little.
     pub(super) fn medium_radius(&mut self, map: &B::PhotonMap, wanted: f64) -> Result<f32> {
         let (Some(media), Some(segments)) = (&mut self.stages.media, &mut self.segments) else {
             return Ok(FIRST_RADIUS);

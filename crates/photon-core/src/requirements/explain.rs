@@ -159,8 +159,7 @@ pub fn explain(scene: &SceneView<'_>, settings: &Settings) -> Vec<Need> {
         "media that scatter light",
         scatters,
         if scatters {
-            "each photon in them takes 32 bytes, photon paths and camera paths are traced once more, and shadow rays start \
-             along camera paths too"
+            "each photon in them takes 32 bytes, camera paths are traced once more, and shadow rays start along them too"
         } else {
             "no medium has a scattering coefficient"
         },

@@ -121,11 +121,12 @@ impl Estimate {
     /// distance.
     pub const SINGULAR: u32 = 1;
 
-    /// Number of photons of equal power that would make as much noise: (Σ power)² / Σ power². 0 without [`Self::power_sums`].
+    /// Number of photons of equal power that would make as much noise: (Σ power)² / Σ power². 0 without
+    /// [`Self::power_sums`], and where the squares are too small or too large for f32.
     #[must_use]
     pub fn effective_photons(&self) -> f64 {
-        let [power, squared] = self.power_sums.map(f64::from);
-        if squared > 0.0 { power * power / squared } else { 0.0 }
+        let [power, squared] = self.power_sums;
+        if squared.is_normal() { f64::from(power) * f64::from(power) / f64::from(squared) } else { 0.0 }
     }
 
     /// Irradiance in units of total power per squared normalised length, if `paths` paths were emitted:
@@ -254,5 +255,15 @@ mod tests {
         assert!((estimate.irradiance(10)[0] - expected).abs() < 1e-15);
         assert_eq!(estimate.irradiance(0), [0.0; 3]);
         assert_eq!(Estimate::default().irradiance(10), [0.0; 3]);
+    }
+
+    #[test]
+    fn photons_of_equal_power_are_all_effective() {
+        let of = |powers: &[f32]| {
+            let power_sums = [powers.iter().sum(), powers.iter().map(|power| power * power).sum()];
+            Estimate { power_sums, ..Estimate::default() }.effective_photons()
+        };
+        assert_eq!([of(&[]), of(&[0.25; 8]), of(&[3.0, 1.0]), of(&[1e-30; 4])], [0.0, 8.0, 1.6, 0.0]);
+        assert_eq!(of(&[f32::MAX; 2]), 0.0);
     }
 }

@@ -215,7 +215,7 @@ pub struct EstimateArgs {
     #[arg(long, value_parser = choice::<Bandwidth>(Bandwidth::ALL.map(Bandwidth::name)), hide_short_help = true, hide_long_help = true)]
     pub bandwidth: Option<Bandwidth>,
     /// Largest distance of a photon from the tangent plane, in radii; values below 1 keep light from leaking through
-    /// thin walls [default: 0.25; 1 with --area disc or another estimator].
+    /// thin walls [default: 0.25 with --area surface and --estimator radius, else 1].
     #[arg(long, value_name = "F", hide_short_help = true, hide_long_help = true)]
     pub max_plane_distance: Option<f32>,
     /// Data structure of the photon map: left-balanced kd-tree, kd-tree by the Voxel Volume Heuristic, or Morton

@@ -24,7 +24,8 @@ pub trait Tracer<B: TransportBackend>: Send {
     ///
     /// On each stretch in a medium that scatters light it appends photons to one of `in_media`, in the same order, with the index
     /// of the medium as [`Photon::normal`]: their expected power is that of the light scattered there. Stretches that begin at a
-    /// light source have none. Aimed paths never collide, and lose what is attenuated.
+    /// light source have none, so that the map of direct light stays empty. Aimed paths never collide, and lose what is
+    /// attenuated. [`Self::take_tally`] counts photons on surfaces only.
     ///
     /// # Errors
     /// Errors of the backend. A full buffer is not an error here; it shows in [`Backend::fill`].

@@ -102,7 +102,7 @@ void probe_spoke(uint i, uint spoke, float radius, float height, inout vec3 foun
     vec2 sin_cos = sin_cos_turns(area_spoke_turns(spoke, turn));
     vec3 direction = tangent * sin_cos.y + bitangent * sin_cos.x;
     float most_above = push.max_plane_distance * radius;
-    // What is higher than half the plane distance may keep photons from the surface, or have them on top where none counts.
+    // Obstacles above half the plane distance may keep photons from the surface, or have photons on top that do not count.
     Ray ray = Ray(from + normal * (FLAT != 0 ? min(height, 0.5 * most_above) : height), direction, far);
     uint next = ALONG;
     float free = far, away = 0.0;

@@ -177,7 +177,8 @@ impl Disc<'_> {
         let up = Ray { origin: from, direction: normal, t_max: HEIGHT * radius };
         let height = opaque::<ALPHA>(scene, up).map_or(HEIGHT * radius, |(t, _)| 0.5 * t);
         let apex = from + normal * height;
-        // What is higher than half the plane distance may keep photons from the surface, or have them on top where none counts.
+        // Obstacles above half the plane distance may keep photons from the surface, or have photons on top that do
+        // not count.
         let most = gather.max_plane_distance * radius;
         let level = from + normal * if gather.is_flat() { height.min(0.5 * most) } else { height };
         let height_over = |surface: &SurfaceInteraction| (surface.point - Vec3::from(query.position)).dot(normal);

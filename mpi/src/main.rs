@@ -102,7 +102,7 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
     let mut film = None;
     let mut remaining = Some(blocks.clone());
     if let (Some(path), Some((found, known))) = (root, stored) {
-        known.key.check(&info.key, path)?;
+        known.check(&info.key, &info.scene, path)?;
         let named = |error| Fault::input(format!("{}: {error}", path.display()));
         remaining = blocks.remaining(&found.contains, settings.seed).map_err(named)?;
         info.in_order = known.in_order && known.makers.iter().all(|maker| maker.backend == facts.backend);

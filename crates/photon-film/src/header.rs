@@ -1,9 +1,12 @@
 //! `film.json`: what a film file contains and where it comes from.
 
+use std::path::Path;
+
 use photon_core::{Film, FilmTally, PassSet, Render};
 use serde::{Deserialize, Serialize};
 
-use crate::key::FilmKey;
+use crate::error::{FilmFileError, shown};
+use crate::key::{FilmKey, SCENE};
 use crate::tally::StoredTally;
 
 /// The format that this version writes, and the newest that it reads. Films of format 1 have no counts of photons.
@@ -41,6 +44,21 @@ impl FilmInfo {
     pub fn new(key: FilmKey, scene: &str) -> Self {
         let (contains, tally, scene) = (PassSet::default(), FilmTally::default(), scene.to_owned());
         Self { key, contains, in_order: true, errors: false, clamp: false, scene, makers: Vec::new(), tally }
+    }
+
+    /// Compares the key with that of a render of the scene with this name: [`FilmKey::check`].
+    ///
+    /// # Errors
+    /// [`FilmFileError::OtherKey`] names the first part that differs, scenes by their names too.
+    pub fn check(&self, expected: &FilmKey, scene: &str, path: &Path) -> Result<(), FilmFileError> {
+        let named = |name: &str, key: &FilmKey| format!("{}, digest {}", shown(name), key.scene_digest());
+        self.key.check(expected, path).map_err(|error| match error {
+            FilmFileError::OtherKey { path, what, .. } if what == SCENE => {
+                let (found, expected) = (named(&self.scene, &self.key), named(scene, expected));
+                FilmFileError::OtherKey { path, what, found, expected }
+            }
+            other => other,
+        })
     }
 
     /// Adds a maker, or the seconds to one that is known.

@@ -187,7 +187,7 @@ impl FilmKey {
         let aimed = aimed_per_pass.map_or("none".to_owned(), |aimed| aimed.to_string());
         let named = |name: &str, value: String| (name.to_owned(), value);
         let mut parts = vec![
-            named("scene", format!("that of digest {scene}")),
+            named(SCENE, format!("that of digest {scene}")),
             named("size", format!("{width}x{height}")),
             named(CAMERA, camera.clone()),
         ];
@@ -206,6 +206,9 @@ impl FilmKey {
 
 /// Name of the setting of that name.
 const CAMERA_SAMPLES: &str = "camera_samples";
+
+/// Name of the scene among the parts.
+pub(crate) const SCENE: &str = "scene";
 
 /// Name of the camera among the parts.
 const CAMERA: &str = "camera";

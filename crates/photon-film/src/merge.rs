@@ -64,7 +64,7 @@ fn checked(films: &[(&Path, FilmInfo)]) -> Result<FilmInfo, FilmFileError> {
     let [(_, first), others @ ..] = films else { return Err(FilmFileError::NoFilms) };
     let mut all = first.clone();
     for (path, info) in others {
-        info.key.check(&all.key, path)?;
+        info.check(&all.key, &all.scene, path)?;
         if (info.errors, info.clamp) != (all.errors, all.clamp) {
             return Err(FilmFileError::damaged(path, "its arrays are not those of its settings"));
         }

@@ -70,8 +70,10 @@ impl FilmReader<BufReader<File>> {
     pub(crate) fn open(path: &Path) -> Result<Self, FilmFileError> {
         let open = || -> std::io::Result<_> {
             // Opening a pipe would wait for its writer.
-            if !std::fs::metadata(path)?.is_file() {
-                return Err(std::io::Error::other("it is not a regular file"));
+            let kind = std::fs::metadata(path)?;
+            if !kind.is_file() {
+                let what = if kind.is_dir() { "it is a folder" } else { "it is not a regular file" };
+                return Err(std::io::Error::other(what));
             }
             let mut file = File::open(path)?;
             let length = file.metadata()?.len();

@@ -132,8 +132,10 @@ fn conversion(extension: Option<&str>) -> &'static str {
 fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
     let wrong = |source| SceneError::Read { path: path.to_owned(), source };
     // A scene file may refer to others; a device among them could be read without end.
-    if !std::fs::metadata(path).map_err(wrong)?.is_file() {
-        return Err(wrong(std::io::Error::other("it is not a regular file")));
+    let kind = std::fs::metadata(path).map_err(wrong)?;
+    if !kind.is_file() {
+        let what = if kind.is_dir() { "it is a folder" } else { "it is not a regular file" };
+        return Err(wrong(std::io::Error::other(what)));
     }
     std::fs::read(path).map_err(wrong)
 }

@@ -61,7 +61,7 @@ pub(super) fn run(
     let key = FilmKey::new(&scene.view(), view, settings, renderer, blocks.grain());
     let (mut film, mut info) = match stored {
         Some((film, info)) => {
-            info.key.check(&key, path)?;
+            info.check(&key, picture::without_folder(&args.scene.scene), path)?;
             (Some(film), info)
         }
         None => (None, FilmInfo::new(key, picture::without_folder(&args.scene.scene))),

@@ -175,7 +175,7 @@ fn what_does_not_fit_is_refused() {
         (&["--passes", "8", "--grain", "4"], "its grain is 2, not 4"),
         (&["--passes", "8", "--grain", "2", "--shadow-rays", "3"], "its setting shadow_rays is 2, not 3"),
         (&["--passes", "8", "--grain", "2", "--aperture", "0.1", "--focus", "3"], "its camera"),
-        (&["--passes", "8", "--grain", "2", "--environment", "constant"], "its scene is that of digest"),
+        (&["--passes", "8", "--grain", "2", "--environment", "constant"], "its scene is cornell, digest "),
         (&["--passes", "8", "--grain", "2", "--seed", "1"], "one seed"),
         (&["--passes", "4..8", "--grain", "2"], "first of the passes"),
         (&["--passes", "2", "--grain", "2"], "more passes than are asked for"),

@@ -45,7 +45,7 @@ pub(crate) fn add_blocks(
         let now = renderer.info(renderers, grain, Instant::now());
         let sums = if film.film.passes > 0 {
             let path = file.as_ref().map_or_else(|| "film".into(), |(path, _)| path.clone());
-            film.info.key.check(&now.key, &path)?;
+            film.info.check(&now.key, &now.scene, &path)?;
             // Moved, since films are large: below it takes the place of this empty one, whatever happens between.
             Some(std::mem::replace(&mut film.film, Film::new(1, 1, renderer.units())?))
         } else {

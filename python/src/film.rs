@@ -158,7 +158,7 @@ impl RawFilm {
     /// Adds the next block, of the same render.
     fn merge(&mut self, py: Python<'_>, other: &Self) -> PyResult<()> {
         py.detach(|| {
-            other.info.key.check(&self.info.key, Path::new("block")).map_err(Failure::from)?;
+            other.info.check(&self.info.key, &self.info.scene, Path::new("block")).map_err(Failure::from)?;
             self.film.merge(&other.film)?;
             other.info.makers.iter().for_each(|maker| self.info.add_maker(maker));
             let backend = self.info.makers.first().map(|maker| maker.backend.clone());
@@ -189,7 +189,7 @@ impl RawFilm {
 
     /// Raises an error unless a film can be continued by the passes of `other`.
     fn check_key(&self, other: &Self, path: &str) -> PyResult<()> {
-        Ok(self.info.key.check(&other.info.key, Path::new(path)).map_err(Failure::from)?)
+        Ok(self.info.check(&other.info.key, &other.info.scene, Path::new(path)).map_err(Failure::from)?)
     }
 
     /// Writes a film file.

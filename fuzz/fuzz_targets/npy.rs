@@ -1,21 +1,8 @@
 //! Any two array files, as `photonmap map` reads them: an error with a message, or points that can be searched.
 #![no_main]
 
-// Includes the modules of the program itself; depending on its crate would add Vulkan.
-#[allow(dead_code, reason = "only what reads arrays is of interest")]
-#[path = "../../crates/photonmap-cli/src/fault.rs"]
-mod fault;
-#[allow(dead_code, reason = "only what reads arrays is of interest")]
-#[path = "../../crates/photonmap-cli/src/memory.rs"]
-mod memory;
-#[allow(dead_code, reason = "only what reads arrays is of interest")]
-#[path = "../../crates/photonmap-cli/src/npy.rs"]
-mod npy;
-#[allow(dead_code, reason = "only what reads arrays is of interest")]
-#[path = "../../crates/photonmap-cli/src/atomic_write.rs"]
-mod atomic_write;
-
 use backend_cpu::index::{IndexKind, Neighbours, PointIndex};
+use photon_image::npy;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     // The second file starts at the next magic number of an array file.

@@ -129,6 +129,17 @@ fn sheets(x: f64, down: f64, below: bool) -> Scene {
 
 /// Radiance relative to that of the lit sheet, per pass; passes are independent.
 fn shares<T: TestBackend>(scene: &Scene, max_plane_distance: Option<f32>, area: Area, errors: bool) -> Vec<f64> {
+    shares_of::<T>(8, scene, max_plane_distance, area, errors)
+}
+
+/// The same, of so many passes.
+fn shares_of<T: TestBackend>(
+    passes: u32,
+    scene: &Scene,
+    max_plane_distance: Option<f32>,
+    area: Area,
+    errors: bool,
+) -> Vec<f64> {
     let settings = Settings {
         photons: 8_000,
         estimator: Estimator::Radius { radius: Some(REACH) },
@@ -141,7 +152,7 @@ fn shares<T: TestBackend>(scene: &Scene, max_plane_distance: Option<f32>, area: 
         seed: 23,
         ..Settings::default()
     };
-    per_pass::<T>(scene, &settings, 8, 1).iter().map(|radiance| radiance * 2.0 * PI).collect()
+    per_pass::<T>(scene, &settings, passes, 1).iter().map(|radiance| radiance * 2.0 * PI).collect()
 }
 
 /// D6: a surface in the shadow of a sheet is exactly black, and without a plane distance as bright as D5 says. At
@@ -186,7 +197,9 @@ pub fn d9_a_board_above_hides_no_area<T: TestBackend>() {
         }
         builder.light("sun", LightDesc::Directional { direction: [0.0, 0.0, -1.0], irradiance: [1.0; 3] });
         look_at_point(&mut builder, [1e-5, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0, 1e-6);
-        let found = shares::<T>(&builder.build().unwrap(), Some(SHARE), Area::Surface, false);
+        // The floor below the bar, if it counts, is a small part of the disc.
+        let passes = if what == "bar" { 256 } else { 8 };
+        let found = shares_of::<T>(passes, &builder.build().unwrap(), Some(SHARE), Area::Surface, false);
         assert_agrees(what, moments(&found).0, truth, standard_error(&found), 4e-3);
     }
 }

@@ -24,7 +24,7 @@ pub const SPOKES: u32 = 8;
 pub const RINGS: u32 = 3;
 
 /// Height above and below the plane of the query within which surfaces are found, in radii: a sphere may
-/// curve away by this much. A lower obstacle does not end a surface.
+/// curve away by this much. A lower obstacle does not end a surface; within a plane distance, one below half of it.
 pub const HEIGHT: f32 = 0.5;
 
 /// Lower limit of the share, which bounds the factor on a pixel.

@@ -27,7 +27,7 @@ layout(constant_id = 9) const bool TERMINATOR_OFFSET = false;
 layout(constant_id = 11) const uint CAUSTIC_ROUGHNESS = 0xFFFFFFFFu;
 // Whether other reflections show those of some lights.
 layout(constant_id = 12) const bool MARKED = false;
-// Paths leave their segments in media that scatter light, at most so many for each pixel, instead of all else; 0: none.
+// Paths leave their segments in media that scatter light too, at most so many for each pixel; 0: none.
 layout(constant_id = 13) const uint SEGMENTS = 0;
 
 #include "shading/constants.glsl"
@@ -48,9 +48,9 @@ layout(constant_id = 13) const uint SEGMENTS = 0;
 #include "shading/stretches.glsl"
 
 // Whether paths leave queries at visible points, and add to the film.
-const bool POINTS = !REFLECTIONS && SEGMENTS == 0u;
-// Log2 of the number of slots for each pixel.
-const uint PLACES_LOG2 = SEGMENTS == 0u ? MAX_SPLITS : SEGMENTS == 1u ? 0u : PATHS_LOG2;
+const bool POINTS = !REFLECTIONS;
+// Log2 of the number of slots of segments for each pixel.
+const uint SEGMENT_PLACES_LOG2 = SEGMENTS > 1u ? PATHS_LOG2 : 0u;
 const bool ALL_LIGHTS = CAUSTIC_ROUGHNESS != 0xFFFFFFFFu;
 const bool THIN_LENS = (FEATURES & FEATURE_THIN_LENS) != 0u;
 
@@ -61,9 +61,12 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Parameters 
     Cameras camera;
     FirstPass first;
     Planes emission;
-    // 2 to the power of PLACES_LOG2 slots for each place, and the number of them that are filled.
+    // 2 to the power of MAX_SPLITS slots for each place, and the number of them that are filled.
     Queries found;
     Words counts;
+    // Those of segments.
+    Queries segments;
+    Words segment_counts;
     uvec2 seed;
     // Number of paths that were truncated.
     LongCounter truncated;
@@ -99,12 +102,13 @@ struct Path {
     uint branch;
     // The glossy surface or rough glass that it left last: density of the direction, 0 without one, or negative if
     // something specular lies between (which is only distinguished from 0 for the sun, and with ALL_LIGHTS); position;
-    // geometric normal; whether photons show light that arrives there by way of something specular. For segments the normal is
-    // that of the last surface of any kind, on either side; the direction of the ray at the camera.
+    // geometric normal; whether photons show light that arrives there by way of something specular.
     float reflected_pdf;
     vec3 reflected_position;
     vec3 reflected_normal;
     bool shows_all;
+    // With SEGMENTS the normal of the last surface of any kind, on either side; the direction of the ray at the camera.
+    vec3 start;
 };
 
 // Whether light that the path finds is not counted in full: where shadow rays or photons find it too.
@@ -224,7 +228,7 @@ void leave_query(
     if (REFLECTIONS && ALL_LIGHTS) offset_or_wo = gloss_caustics_with_mark(offset_or_wo, path.shows_all);
     if (!REFLECTIONS && TERMINATOR_OFFSET) offset_or_wo = shadow_terminator_pack(offset);
     // Moved away from edges, next to which rounding might put it behind the adjacent wall, out of its shadow.
-    push.found[(place << PLACES_LOG2) + found].at = Query(
+    push.found[(place << MAX_SPLITS) + found].at = Query(
         at.start, 1.0, at.normal, place, throughput, media_coat.x, offset_or_wo, key,
         SHADING_NORMALS || REFLECTIONS ? octahedral_pack(normal) : 0u, media_coat.y);
     found++;
@@ -258,17 +262,13 @@ void main() {
     Ray ray;
     if (THIN_LENS) ray = lens_ray(across, -down, jitter.zw);
     else ray = camera_ray(across, -down);
-    Path path = Path(ray, vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0), false);
+    Path path = Path(ray, vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0), false, ray.direction);
 
     // No path splits more than twice, so that at most two wait.
     Path waiting[2];
     uint waits = 0;
-    uint found = 0;
-    Reservoir reservoir;
-    if (SEGMENTS != 0u) {
-        path.reflected_normal = ray.direction;
-        reservoir = Reservoir(0u, 0.0, 0.0);
-    }
+    uint found = 0, segments = 0;
+    Reservoir reservoir = Reservoir(0u, 0.0, 0.0);
     vec3 emission = vec3(0.0);
     bool alive = true;
     while (alive) {
@@ -303,8 +303,8 @@ void main() {
             end = at.t;
         }
         if (SEGMENTS != 0u) {
-            leave_segments(path, pixel, sides.before, end, escaped ? path.ray.direction : -at.normal, reservoir, found);
-            if (!escaped) path.reflected_normal = at.normal;
+            leave_segments(path, pixel, sides.before, end, escaped ? path.ray.direction : -at.normal, reservoir, segments);
+            if (!escaped) path.start = at.normal;
         }
         if ((!escaped || BOUNDARIES && POINTS) && may_attenuate(sides.before)) {
             path.throughput *= transmittance(push.scene, path.ray, end, sides.before);
@@ -357,7 +357,7 @@ void main() {
                     path.shows_all = gloss_caustics_narrowest(material, layers) >= least;
                 }
                 Leaves leaves;
-                if (SEGMENTS != 0u || (REFLECTIONS && ALL_LIGHTS && !MARKED && !path.shows_all)) {
+                if (REFLECTIONS && ALL_LIGHTS && !MARKED && !path.shows_all) {
                     leaves = leaves_none();
                 } else if (REFLECTIONS) {
                     leaves = leaves_reflection(material, layers, glossy, normal, seen);
@@ -405,8 +405,11 @@ void main() {
             alive = true;
         }
     }
-    if (SEGMENTS != 0u) close_reservoir(reservoir, pixel, found);
     push.counts[place].at = found;
+    if (SEGMENTS != 0u) {
+        close_reservoir(reservoir, segments);
+        push.segment_counts[place].at = segments;
+    }
     const uint lit = FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_SUN | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS;
     if ((FEATURES & lit) != 0 && POINTS && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {

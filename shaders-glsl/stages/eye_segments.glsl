@@ -50,7 +50,7 @@ void leave_segment(
         if (is_kept) reservoir.kept = weight;
         if (!is_kept && number > 0u) return;
     }
-    push.found[(place << PLACES_LOG2) + found].at = Query(
+    push.segments[(place << SEGMENT_PLACES_LOG2) + found].at = Query(
         ray.origin, 1.0, ray.direction, place, throughput, media, floatBitsToUint(length),
         (pixel << PATHS_LOG2) + found, octahedral_pack(end), octahedral_pack(start));
     if (!is_last) ++found;
@@ -62,7 +62,7 @@ void leave_segments(
     Path path, uint pixel, uint media, float end, vec3 plane, inout Reservoir reservoir, inout uint found
 ) {
     vec3 throughput = seen_through(path, media);
-    vec3 start = path.reflected_normal;
+    vec3 start = path.start;
     if (dot3(start, path.ray.direction) < 0.0) start = -start;
     Stretches all = stretches_begin(push.scene, path.ray, end, media);
     Stretch part;
@@ -78,9 +78,9 @@ void leave_segments(
 }
 
 // Completes the last slot.
-void close_reservoir(Reservoir reservoir, uint pixel, inout uint found) {
+void close_reservoir(Reservoir reservoir, inout uint found) {
     if (reservoir.count == 0u || (reservoir.count > 1u && !(reservoir.kept > 0.0))) return;
-    Queries last = push.found + int((place << PLACES_LOG2) + found);
+    Queries last = push.segments + int((place << SEGMENT_PLACES_LOG2) + found);
     precise float share = reservoir.total / reservoir.kept;
     if (reservoir.count > 1u) last.at.throughput *= share;
     ++found;

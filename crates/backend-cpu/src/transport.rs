@@ -44,6 +44,7 @@ impl TransportBackend for Cpu {
                 max_bounces: settings.max_bounces,
                 hides_background: settings.transparent_background,
                 leaves: EyeQueries::VisiblePoints,
+                most_segments: segments_per_pixel(required),
                 terminator_offset: required.terminator_offset,
                 caustic_roughness: required.caustic_roughness(settings),
                 truncated: 0,
@@ -64,23 +65,16 @@ impl TransportBackend for Cpu {
                     max_bounces: settings.max_bounces,
                     hides_background: false,
                     leaves: EyeQueries::Reflections,
+                    most_segments: 0,
                     terminator_offset: required.terminator_offset,
                     caustic_roughness: required.caustic_roughness(settings),
                     truncated: 0,
                 }),
             }),
-            media: required.media.contains(MediaFeatures::SCATTERING).then(|| MediaStages {
-                eye: Box::new(CpuEye {
-                    max_bounces: settings.max_bounces,
-                    hides_background: false,
-                    leaves: EyeQueries::Segments(segments_per_pixel(required)),
-                    terminator_offset: false,
-                    caustic_roughness: None,
-                    truncated: 0,
-                }),
-                direct: Box::new(CpuMediumDirect),
-                estimator: Box::new(CpuBeamEstimator),
-            }),
+            media: required
+                .media
+                .contains(MediaFeatures::SCATTERING)
+                .then(|| MediaStages { direct: Box::new(CpuMediumDirect), estimator: Box::new(CpuBeamEstimator) }),
             map: MapStages { builder: Box::new(CpuBuilder::new(settings.index)), estimator: Box::new(CpuEstimator) },
         })
     }

@@ -96,7 +96,6 @@ impl TransportBackend for Vulkan {
             },
             media: if required.media.contains(MediaFeatures::SCATTERING) {
                 Some(MediaStages {
-                    eye: Box::new(VulkanEye::new(self, settings, EyePaths::for_segments(required))?),
                     direct: Box::new(VulkanDirect { kernel: medium_direct::kernel, domain: Domain::Segment }),
                     estimator: Box::new(VulkanBeamEstimator::default()),
                 })

@@ -7,8 +7,8 @@ use backend_cpu::Cpu;
 use backend_vulkan::low_level;
 use photon_core::glam::Vec3;
 use photon_core::{
-    Backend, Batch, EstimateParams, Film, FilmBackend, IndexKind, Indirect, Kernel, Layer, Maps, Pass, PerMap, Photon,
-    PhotonRay, Query, RandomKind, Requirements, Search, Settings, TransportBackend, View,
+    Backend, Batch, EstimateParams, EyeBuffers, Film, FilmBackend, IndexKind, Indirect, Kernel, Layer, Maps, Pass,
+    PerMap, Photon, PhotonRay, Query, RandomKind, Requirements, Search, Settings, TransportBackend, View,
 };
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Sun, ThinLens, builtin};
 
@@ -67,7 +67,17 @@ fn look_at<B: TransportBackend>(
     let mut queries = on.alloc("queries", u64::from(view.width * view.height) * 4).unwrap();
     let mut all = Vec::new();
     for &index in passes {
-        stages.eye.trace_eye(on, &prepared, view, pass(index), &mut film, &mut queries).unwrap();
+        stages
+            .eye
+            .trace_eye(
+                on,
+                &prepared,
+                view,
+                pass(index),
+                &mut film,
+                EyeBuffers { queries: &mut queries, segments: None },
+            )
+            .unwrap();
         on.end_pass(&mut film).unwrap();
         let mut found = Vec::new();
         on.download(&queries, &mut found).unwrap();
@@ -173,7 +183,10 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
     let prepared = gpu.prepare(&scene_view, &required).unwrap();
     let mut stages = gpu.stages(&required, &settings()).unwrap();
     let mut queries = gpu.alloc::<Query>("queries", 100).unwrap();
-    stages.eye.trace_eye(&mut gpu, &prepared, &view, pass(0), &mut film, &mut queries).unwrap();
+    stages
+        .eye
+        .trace_eye(&mut gpu, &prepared, &view, pass(0), &mut film, EyeBuffers { queries: &mut queries, segments: None })
+        .unwrap();
     let fill = gpu.fill(&queries).unwrap();
     assert_eq!((fill.length, fill.needed, fill.capacity), (100, once.len() as u64, 100));
 }

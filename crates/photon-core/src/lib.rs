@@ -28,8 +28,8 @@ pub use backend::memory::Costs;
 pub use backend::observer::{Event, Observer, PassReport};
 pub use backend::stages::{
     Aimed, AreaProbe, Batch, BeamEstimator, BeamParams, Deposits, DirectLight, Emitter, EstimateBuffers,
-    EstimateParams, EyeTracer, FinalGather, GlossCaustics, IrradiancePoints, KdTreeBuilder, MapStages, Maps,
-    MediaStages, Pass, RadianceEstimator, Search, Stages, Tracer, View,
+    EstimateParams, EyeBuffers, EyeTracer, FinalGather, GlossCaustics, IrradiancePoints, KdTreeBuilder, MapStages,
+    Maps, MediaStages, Pass, RadianceEstimator, Search, Stages, Tracer, View,
 };
 pub use backend::stop::StopCondition;
 pub use backend::tally::{Fate, FixedFlux, FluxSum, Tally};

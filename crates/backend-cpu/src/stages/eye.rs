@@ -7,14 +7,14 @@ use photon_core::light_sampler::light_of_triangle;
 use photon_core::memory;
 use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, evenly_spread, unit_f32};
 use photon_core::{
-    Camera, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack,
+    Camera, EyeBuffers, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack,
     NEGLIGIBLE_THROUGHPUT, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SkipLimit,
     SurfaceInteraction, Vertex, View, Wavelength, anisotropy, gloss_caustics, most_total_reflections, octahedral,
     sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
 
-use crate::cpu::{Cpu, CpuBuffer};
+use crate::cpu::Cpu;
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
 use crate::stages::eye_batch;
@@ -33,6 +33,8 @@ pub(crate) struct CpuEye {
     pub(crate) hides_background: bool,
     /// The queries that paths leave.
     pub(crate) leaves: EyeQueries,
+    /// [`photon_core::segments_per_pixel`].
+    pub(crate) most_segments: u32,
     /// [`photon_core::Requirements::terminator_offset`].
     pub(crate) terminator_offset: bool,
     /// [`photon_core::Requirements::caustic_roughness`].
@@ -48,14 +50,13 @@ pub(crate) enum EyeQueries {
     VisiblePoints,
     /// For the reflection of glossy surfaces: [`photon_core::GlossCaustics`].
     Reflections,
-    /// For segments in media that scatter light, at most so many for each pixel: [`photon_core::MediaStages`].
-    Segments(u32),
 }
 
 /// [`EyeQueries`] as a parameter of kernels.
 pub(crate) const POINTS: u8 = 0;
 pub(crate) const REFLECTIONS: u8 = 1;
-const SEGMENTS: u8 = 2;
+/// Visible points, and segments in media that scatter light.
+const POINTS_AND_SEGMENTS: u8 = 2;
 
 /// Label of the memory for the queries of a row.
 pub(crate) const QUERIES: &str = "camera paths";
@@ -70,10 +71,11 @@ impl EyeTracer<Cpu> for CpuEye {
         view: &View,
         pass: Pass,
         film: &mut CpuFilm,
-        queries: &mut CpuBuffer<Query>,
+        EyeBuffers { queries, segments }: EyeBuffers<'_, Cpu>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let Self { max_bounces, hides_background, leaves, terminator_offset, caustic_roughness, .. } = *self;
+        let Self { max_bounces, hides_background, leaves, most_segments, terminator_offset, caustic_roughness, .. } =
+            *self;
         let caustic_roughness = caustic_roughness.filter(|&least| least <= scene.roughest_caustic);
         let eye = Eye {
             scene,
@@ -84,15 +86,15 @@ impl EyeTracer<Cpu> for CpuEye {
             max_splits,
             terminator_offset,
             caustic_roughness,
-            most_segments: if let EyeQueries::Segments(most) = leaves { most } else { 0 },
+            most_segments,
             truncated: AtomicU64::new(0),
         };
         let reflections = leaves == EyeQueries::Reflections;
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
         let is_shaded = scene.features.intersects(Features::SHADED) || scene.disperses;
         let look = match (is_shaded, scene.present.intersects(Features::RANDOM_SURFACES), has_lens) {
-            (_, _, true) if eye.most_segments > 0 => Eye::look::<true, true, true, SEGMENTS>,
-            (_, _, false) if eye.most_segments > 0 => Eye::look::<true, true, false, SEGMENTS>,
+            (_, _, true) if segments.is_some() => Eye::look::<true, true, true, POINTS_AND_SEGMENTS>,
+            (_, _, false) if segments.is_some() => Eye::look::<true, true, false, POINTS_AND_SEGMENTS>,
             (_, _, true) if reflections => Eye::look::<true, true, true, REFLECTIONS>,
             (_, _, false) if reflections => Eye::look::<true, true, false, REFLECTIONS>,
             (_, true, true) => Eye::look::<true, true, true, POINTS>,
@@ -108,13 +110,16 @@ impl EyeTracer<Cpu> for CpuEye {
             let all = film.pending.par_chunks_mut(view.width as usize).with_max_len(1).enumerate();
             let traced = all.map(|(row, pixels)| {
                 on.stop.check()?;
-                let mut found = memory::with_capacity(pixels.len(), QUERIES)?;
+                let mut found = Found { queries: memory::with_capacity(pixels.len(), QUERIES)?, segments: Vec::new() };
                 if in_batches {
                     eye_batch::trace_row(&eye, row as u32, (has_lens, reflections), pixels, &mut found)?;
                     return Ok(found);
                 }
                 for (column, pixel) in pixels.iter_mut().enumerate() {
-                    memory::reserve_doubling(&mut found, QUERIES_PER_PIXEL as usize, QUERIES)?;
+                    memory::reserve_doubling(&mut found.queries, QUERIES_PER_PIXEL as usize, QUERIES)?;
+                    if segments.is_some() {
+                        memory::reserve_doubling(&mut found.segments, QUERIES_PER_PIXEL as usize, QUERIES)?;
+                    }
                     look(&eye, column as u32, row as u32, pixel, &mut found);
                 }
                 Ok(found)
@@ -123,10 +128,12 @@ impl EyeTracer<Cpu> for CpuEye {
         });
         // Further samples of a pass go on counting.
         self.truncated = eye.truncated.into_inner() + if pass.sample == 0 { 0 } else { self.truncated };
+        let rows = rows.into_iter().collect::<Result<Vec<Found>>>()?;
         queries.clear();
-        for row in rows {
-            let row: Result<_> = row;
-            queries.append(&row?);
+        rows.iter().for_each(|row| queries.append(&row.queries));
+        if let Some(segments) = segments {
+            segments.clear();
+            rows.iter().for_each(|row| segments.append(&row.segments));
         }
         scene.check_caster()
     }
@@ -134,6 +141,12 @@ impl EyeTracer<Cpu> for CpuEye {
     fn truncated(&mut self, _on: &mut Cpu) -> Result<u64> {
         Ok(self.truncated)
     }
+}
+
+/// Queries and segments that the paths of a row have left.
+pub(crate) struct Found {
+    pub(crate) queries: Vec<Query>,
+    pub(crate) segments: Vec<Query>,
 }
 
 pub(crate) struct Eye<'a> {
@@ -180,18 +193,18 @@ impl Eye<'_> {
         x: u32,
         y: u32,
         pixel: &mut FilmPixel,
-        queries: &mut Vec<Query>,
+        found: &mut Found,
     ) {
         let number = y * self.view.width + x;
         let sampler = |branch: u32| self.sampler(number, branch);
         let mut waiting = [self.first::<LENS>(x, y); QUERIES_PER_PIXEL as usize];
         let mut count = 1;
-        let before = queries.len();
+        let before = found.segments.len();
         while count > 0 {
             count -= 1;
             let mut path = waiting[count];
             while let Some(branch) =
-                self.step::<SHADED, ALPHA, QUERIES>(&mut path, None, number, pixel, queries, &sampler)
+                self.step::<SHADED, ALPHA, QUERIES>(&mut path, None, number, pixel, found, &sampler)
             {
                 if let Some(branch) = branch {
                     waiting[count] = branch;
@@ -199,8 +212,8 @@ impl Eye<'_> {
                 }
             }
         }
-        if QUERIES == SEGMENTS {
-            eye_segments::limit(self, number, queries, before);
+        if QUERIES == POINTS_AND_SEGMENTS {
+            eye_segments::limit(self, number, &mut found.segments, before);
         }
     }
 
@@ -251,9 +264,10 @@ impl Eye<'_> {
         known: Option<Option<Hit>>,
         number: u32,
         pixel: &mut FilmPixel,
-        queries: &mut Vec<Query>,
+        Found { queries, segments }: &mut Found,
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
+        let has_points = QUERIES != REFLECTIONS;
         let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
         let found = match known {
             Some(hit) => hit.map(|hit| (self.scene.interaction(&path.ray, &hit), hit)),
@@ -266,16 +280,15 @@ impl Eye<'_> {
             },
         };
         let Some((mut surface, hit)) = found else {
-            if QUERIES == SEGMENTS {
+            if QUERIES == POINTS_AND_SEGMENTS {
                 let end = End { distance: f32::INFINITY, normal: path.ray.direction };
-                eye_segments::leave(self, path, path.media, end, number, queries);
-                return None;
+                eye_segments::leave(self, path, path.media, end, number, segments);
             }
             let is_hidden = self.hides_background && path.surfaces == 0;
-            if QUERIES == POINTS && self.scene.boundaries.is_some() {
+            if has_points && self.scene.boundaries.is_some() {
                 path.throughput *= self.scene.attenuation(&path.ray, f32::INFINITY, path.media);
             }
-            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && QUERIES == POINTS) {
+            if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && has_points) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
                 let throughput = path.throughput * self.scene.radiance_scale(camera, path.media, path.wavelength);
                 let mut radiance = environment.radiance(path.ray.direction);
@@ -288,7 +301,7 @@ impl Eye<'_> {
             // Shadow rays and photons find the sun for paths with glossy surfaces.
             if self.scene.features.contains(Features::SUN)
                 && !is_hidden
-                && QUERIES == POINTS
+                && has_points
                 && path.reflected.pdf == 0.0
                 && let Some(sun) = self.scene.lights.iter().rfind(|light| light.is_sun())
                 && sampling::versine(path.ray.direction, -Vec3::from(sun.direction)) <= sun.versine_outer
@@ -309,7 +322,7 @@ impl Eye<'_> {
                 surface = surface.with_cosine_to(normal, path.ray.direction);
             }
         }
-        if path.surfaces == 0 && QUERIES == POINTS {
+        if path.surfaces == 0 && has_points {
             pixel.hits += 1;
             pixel.depth += f64::from(surface.t);
             for axis in 0..3 {
@@ -318,9 +331,9 @@ impl Eye<'_> {
             }
         }
         let mut interface = self.scene.interface(&surface, path.media);
-        if QUERIES == SEGMENTS {
+        if QUERIES == POINTS_AND_SEGMENTS {
             let end = End { distance: surface.t, normal: -surface.normal };
-            eye_segments::leave(self, path, interface.before, end, number, queries);
+            eye_segments::leave(self, path, interface.before, end, number, segments);
             path.start = surface.normal;
         }
         path.throughput *= self.scene.attenuation(&path.ray, surface.t, interface.before);
@@ -333,7 +346,7 @@ impl Eye<'_> {
             let camera = MediumStack::from_bits(self.view.camera.media);
             path.throughput * self.scene.radiance_scale(camera, interface.before, path.wavelength)
         };
-        let emits = material.is_emissive() && QUERIES == POINTS;
+        let emits = material.is_emissive() && has_points;
         if emits && (surface.front || material.flags & Material::EMITS_BOTH_SIDES != 0) {
             let mut throughput = seen();
             if SHADED && self.scene.present.contains(Features::COATED_LIGHTS) {
@@ -347,7 +360,7 @@ impl Eye<'_> {
         }
         // Where rays to lights start, and paths that are weighed against them.
         let (mut lit, mut offset) = (surface, Vec3::ZERO);
-        if SHADED && QUERIES != SEGMENTS && self.terminator_offset && material.samples_lights() {
+        if SHADED && self.terminator_offset && material.samples_lights() {
             let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
             offset = self.scene.shadow_offset::<ALPHA>(&surface, &hit, layer);
             if offset != Vec3::ZERO {
@@ -390,9 +403,7 @@ impl Eye<'_> {
                 let media = interface.before;
                 let at =
                     GlossyPoint { surface: &lit, normal, media, glossy: &glossy, shows_all: shows_all == Some(true) };
-                let leaves = if QUERIES == SEGMENTS {
-                    Leaves::none()
-                } else if QUERIES == REFLECTIONS {
+                let leaves = if QUERIES == REFLECTIONS {
                     // Relative to the normal as the query has it.
                     let packed = || anisotropy::pack(&layers, octahedral::unpack(octahedral::pack(normal)));
                     let anisotropy = self.scene.present.contains(Features::ANISOTROPY).then(packed);
@@ -419,7 +430,7 @@ impl Eye<'_> {
             }
             Scattering::RoughGlass(glass) => {
                 let at = RoughPoint { surface: &surface, lit: &lit, normal, interface: &interface, glass: &glass };
-                if QUERIES == POINTS {
+                if has_points {
                     self.light_through::<ALPHA>(path, &at, pixel, sampler);
                 }
                 return self.scatter(path, &at, sampler).then_some(None);
@@ -428,7 +439,7 @@ impl Eye<'_> {
         };
         if material.is_diffuse() {
             let throughput = bsdf.diffuse_throughput(seen());
-            if throughput != Vec3::ZERO && QUERIES == POINTS {
+            if throughput != Vec3::ZERO && has_points {
                 queries.push(query(throughput, path.branch, [interface.before.bits(), 0]));
             }
             return None;

@@ -1,9 +1,9 @@
 //! Camera paths in batches: those of a row surface by surface, so that a ray caster gets many rays at once.
 
 use photon_core::memory::{self, OutOfMemory};
-use photon_core::{FilmPixel, QUERIES_PER_PIXEL, Query};
+use photon_core::{FilmPixel, QUERIES_PER_PIXEL};
 
-use crate::stages::eye::{Eye, POINTS, Path, QUERIES, REFLECTIONS};
+use crate::stages::eye::{Eye, Found, POINTS, Path, QUERIES, REFLECTIONS};
 
 /// The paths of a pixel: the one that is being traced, and those that have branched off.
 struct Pixel {
@@ -12,14 +12,14 @@ struct Pixel {
     waiting: Vec<Path>,
 }
 
-/// Traces the paths of a row, in a scene without alpha. Each pixel meets its surfaces in the same order as without
+/// Traces the paths of a row, in a scene without alpha or media that scatter light. Each pixel meets its surfaces in the same order as without
 /// batches.
 pub(super) fn trace_row(
     eye: &Eye<'_>,
     row: u32,
     (has_lens, reflections): (bool, bool),
     pixels: &mut [FilmPixel],
-    queries: &mut Vec<Query>,
+    found: &mut Found,
 ) -> Result<(), OutOfMemory> {
     let first = if has_lens { Eye::first::<true> } else { Eye::first::<false> };
     let start = |column| Pixel { column, path: first(eye, column as u32, row), waiting: Vec::new() };
@@ -27,19 +27,19 @@ pub(super) fn trace_row(
     let mut rays = memory::with_capacity(active.len(), QUERIES)?;
     let mut hits = memory::with_capacity(active.len(), QUERIES)?;
     while !active.is_empty() {
-        memory::reserve_doubling(queries, active.len() * QUERIES_PER_PIXEL as usize, QUERIES)?;
+        memory::reserve_doubling(&mut found.queries, active.len() * QUERIES_PER_PIXEL as usize, QUERIES)?;
         rays.clear();
         rays.extend(active.iter().map(|pixel| pixel.path.ray));
         eye.scene.hit_many(&rays, &mut hits);
-        let mut found = hits.iter();
+        let mut hit = hits.iter();
         active.retain_mut(|Pixel { column, path, waiting }| {
             let number = row * eye.view.width + *column as u32;
             let sampler = |branch: u32| eye.sampler(number, branch);
-            let (pixel, hit) = (&mut pixels[*column], Some(found.next().copied().flatten()));
+            let (pixel, hit) = (&mut pixels[*column], Some(hit.next().copied().flatten()));
             let next = if reflections {
-                eye.step::<true, false, REFLECTIONS>(path, hit, number, pixel, queries, &sampler)
+                eye.step::<true, false, REFLECTIONS>(path, hit, number, pixel, found, &sampler)
             } else {
-                eye.step::<true, false, POINTS>(path, hit, number, pixel, queries, &sampler)
+                eye.step::<true, false, POINTS>(path, hit, number, pixel, found, &sampler)
             };
             if let Some(branch) = next {
                 waiting.extend(branch);
@@ -51,7 +51,7 @@ pub(super) fn trace_row(
         });
     }
     // In the order of the pixels; the queries of a pixel keep theirs.
-    queries.sort_by_key(|query| query.pixel);
-    debug_assert!(queries.len() <= pixels.len() * QUERIES_PER_PIXEL as usize);
+    found.queries.sort_by_key(|query| query.pixel);
+    debug_assert!(found.queries.len() <= pixels.len() * QUERIES_PER_PIXEL as usize);
     Ok(())
 }

@@ -18,7 +18,7 @@ pub(super) struct End {
 
 /// Leaves the segments of a path in `media` up to its end: one for each stretch in which light is scattered.
 #[inline]
-pub(super) fn leave(eye: &Eye<'_>, path: &Path, media: MediumStack, end: End, pixel: u32, queries: &mut Vec<Query>) {
+pub(super) fn leave(eye: &Eye<'_>, path: &Path, media: MediumStack, end: End, pixel: u32, segments: &mut Vec<Query>) {
     let (scene, direction) = (eye.scene, path.ray.direction);
     let start = if path.start.dot(direction) < 0.0 { -path.start } else { path.start };
     let camera = MediumStack::from_bits(eye.view.camera.media);
@@ -32,7 +32,7 @@ pub(super) fn leave(eye: &Eye<'_>, path: &Path, media: MediumStack, end: End, pi
             // The medium that applies, above that of the solid if they differ.
             let media = MediumStack::in_medium(solid);
             let media = if stretch.medium == solid { media } else { media.enter(stretch.medium) };
-            queries.push(Segment { origin, direction, length, planes, media, throughput }.query(pixel, 0));
+            segments.push(Segment { origin, direction, length, planes, media, throughput }.query(pixel, 0));
         }
         throughput *= scene.stretch_transmittance(&path.ray, &stretch);
     }

@@ -2,8 +2,8 @@
 
 use photon_core::random::Domain;
 use photon_core::{
-    Camera, EyeTracer, Features, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Requirements, Result, Settings, View,
-    segments_per_pixel,
+    Camera, EyeBuffers, EyeTracer, Features, MediaFeatures, Pass, QUERIES_PER_PIXEL, Query, Requirements, Result,
+    Settings, View, segments_per_pixel,
 };
 
 use crate::device::buffer::VulkanBuffer;
@@ -24,9 +24,9 @@ const SPLITS: u32 = QUERIES_PER_PIXEL.ilog2();
 /// Traces camera paths through mirrors and glass. A path splits at the first two surfaces that have two lobes, dielectric
 /// or glossy, as on the CPU.
 ///
-/// Each pixel has slots for the maximum number of queries and fills some of them; a prefix sum then computes
-/// the compacted positions, so that queries are in pixel order regardless of the order of execution. The slots
-/// are in the query buffer itself if it is large enough: a chunk of slots at a time is compacted into scratch
+/// Each pixel has slots for the maximum number of queries, and of segments in media that scatter light, and fills some of
+/// them; a prefix sum then computes the compacted positions, so that they are in pixel order regardless of the order of
+/// execution. The slots are in the buffer itself if it is large enough: a chunk of slots at a time is compacted into scratch
 /// memory and copied back, never beyond where it came from.
 #[derive(Debug)]
 pub(crate) struct VulkanEye {
@@ -35,7 +35,8 @@ pub(crate) struct VulkanEye {
     scan: Scan,
     camera: Memory,
     truncated: TruncatedPaths,
-    scratch: Option<EyeScratch>,
+    query_slots: Option<EyeScratch>,
+    segment_slots: Option<EyeScratch>,
 }
 
 /// Kind of camera paths.
@@ -45,7 +46,7 @@ pub(crate) struct EyePaths {
     /// Whether paths leave queries for the reflection of glossy surfaces, instead of all else:
     /// [`photon_core::GlossCaustics`].
     reflections: bool,
-    /// Maximum number of segments that paths leave for each pixel, instead of all else: [`photon_core::MediaStages`]; 0: none.
+    /// Maximum number of segments in media that scatter light that paths leave for each pixel; 0: none.
     segments: u32,
     /// [`photon_core::Requirements::terminator_offset`].
     terminator_offset: bool,
@@ -53,13 +54,17 @@ pub(crate) struct EyePaths {
     caustic_roughness: Option<f32>,
 }
 
-/// Scratch buffers for one image size.
+/// Scratch buffers for the slots of one image size.
 #[derive(Debug)]
 struct EyeScratch {
     counts: Memory,
     offsets: Memory,
-    /// One chunk of queries or, if the query buffer is too small for all slots, all of them.
+    /// One chunk of queries or, if their buffer is too small for all slots, all of them.
     queries: Memory,
+    /// Log2 of the number of slots for each pixel.
+    places_log2: u32,
+    /// Whether the slots are in the buffer itself.
+    in_place: bool,
 }
 
 parameters! {
@@ -70,6 +75,8 @@ parameters! {
         emission: u64,
         found: u64,
         counts: u64,
+        segments: u64,
+        segment_counts: u64,
         seed: u64,
         truncated: u64,
         pass: u32,
@@ -124,7 +131,15 @@ impl VulkanEye {
     pub(crate) fn new(on: &mut Vulkan, settings: &Settings, paths: EyePaths) -> Result<Self> {
         let camera = on.memory("camera", size_of::<Camera>() as u64)?;
         let (scan, truncated) = (Scan::new(on)?, TruncatedPaths::new(on)?);
-        Ok(Self { max_bounces: settings.max_bounces, paths, scan, camera, truncated, scratch: None })
+        Ok(Self {
+            max_bounces: settings.max_bounces,
+            paths,
+            scan,
+            camera,
+            truncated,
+            query_slots: None,
+            segment_slots: None,
+        })
     }
 }
 
@@ -134,7 +149,7 @@ impl EyePaths {
         Self {
             hides_background: settings.transparent_background,
             reflections: false,
-            segments: 0,
+            segments: if required.media.contains(MediaFeatures::SCATTERING) { segments_per_pixel(required) } else { 0 },
             terminator_offset: required.terminator_offset,
             caustic_roughness: required.caustic_roughness(settings),
         }
@@ -142,29 +157,20 @@ impl EyePaths {
 
     /// Those of [`photon_core::GlossCaustics`].
     pub(crate) fn for_reflections(settings: &Settings, required: &Requirements) -> Self {
-        Self { hides_background: false, reflections: true, ..Self::new(settings, required) }
+        Self { hides_background: false, reflections: true, segments: 0, ..Self::new(settings, required) }
     }
 
-    /// Those of [`photon_core::MediaStages`].
-    pub(crate) fn for_segments(required: &Requirements) -> Self {
-        Self {
-            hides_background: false,
-            reflections: false,
-            segments: segments_per_pixel(required),
-            terminator_offset: false,
-            caustic_roughness: None,
+    /// Requests the kernel of the paths, and those that compact what they leave.
+    pub(crate) fn announce(&self, on: &mut Vulkan, scene: &SceneKind, view: &View) {
+        self.kernel(on, scene, view);
+        compact_kernels(on, splits(features(scene, view)));
+        if self.segments > 0 {
+            compact_kernels(on, self.segments.ilog2());
         }
     }
 
-    /// Log2 of the number of slots for each pixel.
-    fn places_log2(&self, features: Features) -> u32 {
-        if self.segments > 0 { self.segments.ilog2() } else { splits(features) }
-    }
-
-    /// Kernels: that of the paths, and those that compact their queries.
-    pub(crate) fn kernels(&self, on: &mut Vulkan, scene: &SceneKind, view: &View) -> [ComputePipeline; 3] {
+    fn kernel(&self, on: &mut Vulkan, scene: &SceneKind, view: &View) -> ComputePipeline {
         let features = features(scene, view);
-        let places_log2 = self.places_log2(features);
         let caustic_roughness = self.caustic_roughness.filter(|&least| least <= scene.roughest_caustic);
         let constants = EyeConstants {
             features,
@@ -180,12 +186,15 @@ impl EyePaths {
             marked: caustic_roughness.is_some() && scene.has_lights_without_extent,
             segments: self.segments,
         };
-        [
-            on.kernel(&shaders::STAGES_EYE, GROUP, &constants),
-            on.kernel(&shaders::STAGES_EYE_COMPACT, GROUP, &CompactConstants { places_log2 }),
-            on.kernel(&shaders::STAGES_EYE_SETTLE, GROUP, &()),
-        ]
+        on.kernel(&shaders::STAGES_EYE, GROUP, &constants)
     }
+}
+
+fn compact_kernels(on: &mut Vulkan, places_log2: u32) -> [ComputePipeline; 2] {
+    [
+        on.kernel(&shaders::STAGES_EYE_COMPACT, GROUP, &CompactConstants { places_log2 }),
+        on.kernel(&shaders::STAGES_EYE_SETTLE, GROUP, &()),
+    ]
 }
 
 /// Features of the kernel: the lens is that of the view.
@@ -216,29 +225,26 @@ impl EyeTracer<Vulkan> for VulkanEye {
         view: &View,
         pass: Pass,
         film: &mut VulkanFilm,
-        queries: &mut VulkanBuffer<Query>,
+        EyeBuffers { queries, mut segments }: EyeBuffers<'_, Vulkan>,
     ) -> Result<()> {
         film.check_size(view.width, view.height)?;
-        let places_log2 = self.paths.places_log2(features(&scene.kind, view));
         let pixels = view.width * view.height * pass.samples;
-        let places = u64::from(pixels) << places_log2;
-        let in_place = queries.capacity() >= places;
-        let apart = if in_place {
-            places.min(u64::from(on.dispatch_limits.places >> places_log2).max(1) << places_log2)
-        } else {
-            places
-        };
-        if !self.scratch.as_ref().is_some_and(|scratch| scratch.fits(pixels, apart)) {
-            self.scratch = None;
-            let label = match (self.paths.reflections, self.paths.segments > 0) {
-                (true, _) => "camera paths for reflections",
-                (false, true) => "camera paths in media",
-                (false, false) => "camera paths",
-            };
-            self.scratch = Some(EyeScratch::new(on, label, pixels, apart)?);
+        let label = if self.paths.reflections { "camera paths for reflections" } else { "camera paths" };
+        let places_log2 = splits(features(&scene.kind, view));
+        let query_slots = EyeScratch::for_slots(&mut self.query_slots, on, label, (pixels, places_log2), queries)?;
+        // Without a buffer for segments, paths leave none.
+        let most_segments = if segments.is_some() { self.paths.segments } else { 0 };
+        let mut segment_slots = None;
+        if let Some(segments) = &segments
+            && most_segments > 0
+        {
+            let (slots, size) = (&mut self.segment_slots, (pixels, most_segments.ilog2()));
+            segment_slots = Some(EyeScratch::for_slots(slots, on, "camera paths in media", size, segments)?);
         }
-        let Some(scratch) = &self.scratch else { return Ok(()) };
-        let found = if in_place { queries.data_address() } else { scratch.queries.address() };
+        let [segments_at, segment_counts] = match (&segment_slots, &segments) {
+            (Some(slots), Some(segments)) => [slots.found(segments), slots.counts.address()],
+            _ => [0; 2],
+        };
 
         let truncated = self.truncated.start(on, features(&scene.kind, view), pass.sample > 0)?;
         on.write(&self.camera, 0, bytemuck::bytes_of(&view.camera))?;
@@ -246,7 +252,7 @@ impl EyeTracer<Vulkan> for VulkanEye {
             if finds_light(&scene.kind, view) { film.places(on, SampleLight::Emission, pass.samples)? } else { 0 };
         let first = film.first_places(on, pass.samples)?;
         let tile_rows = tile_rows_log2(view);
-        let [look, compact, settle] = self.paths.kernels(on, &scene.kind, view);
+        let look = EyePaths { segments: most_segments, ..self.paths }.kernel(on, &scene.kind, view);
         let rows = (on.dispatch_limits.pixels / view.width).max(1).next_multiple_of(1 << tile_rows);
         let height = view.height * pass.samples;
         for start_row in (0..height).step_by(rows as usize) {
@@ -256,8 +262,10 @@ impl EyeTracer<Vulkan> for VulkanEye {
                 camera: self.camera.address(),
                 first,
                 emission,
-                found,
-                counts: scratch.counts.address(),
+                found: query_slots.found(queries),
+                counts: query_slots.counts.address(),
+                segments: segments_at,
+                segment_counts,
                 seed: pass.seed,
                 truncated,
                 pass: pass.index,
@@ -273,10 +281,11 @@ impl EyeTracer<Vulkan> for VulkanEye {
             let tiles = u64::from(view.width.div_ceil(32 >> tile_rows)) * u64::from(tiles_down);
             on.dispatch(&look, &push, (tiles * 32).div_ceil(u64::from(GROUP)))?;
         }
-        let (counts, offsets) = (scratch.counts.address(), scratch.offsets.address());
-        self.scan.exclusive(on, counts, offsets, u64::from(pixels), queries.count_address())?;
-        queries.touch();
-        close_ranks(on, [&compact, &settle], scratch, queries, in_place, places_log2, pixels)
+        close_ranks(on, &mut self.scan, query_slots, queries, pixels)?;
+        if let (Some(slots), Some(segments)) = (segment_slots, &mut segments) {
+            close_ranks(on, &mut self.scan, slots, segments, pixels)?;
+        }
+        Ok(())
     }
 
     fn truncated(&mut self, on: &mut Vulkan) -> Result<u64> {
@@ -284,16 +293,19 @@ impl EyeTracer<Vulkan> for VulkanEye {
     }
 }
 
-/// Compacts queries from the slots of their pixels to the positions in `scratch.offsets`.
+/// Compacts queries from the slots of their pixels.
 fn close_ranks(
     on: &mut Vulkan,
-    [compact, settle]: [&ComputePipeline; 2],
+    scan: &mut Scan,
     scratch: &EyeScratch,
-    queries: &VulkanBuffer<Query>,
-    in_place: bool,
-    places_log2: u32,
+    queries: &mut VulkanBuffer<Query>,
     pixels: u32,
 ) -> Result<()> {
+    let (counts, offsets) = (scratch.counts.address(), scratch.offsets.address());
+    scan.exclusive(on, counts, offsets, u64::from(pixels), queries.count_address())?;
+    queries.touch();
+    let EyeScratch { places_log2, in_place, .. } = *scratch;
+    let [compact, settle] = compact_kernels(on, places_log2);
     let chunk = if in_place { (on.dispatch_limits.places >> places_log2).max(1) } else { pixels };
     for start in (0..pixels).step_by(chunk as usize) {
         let count = chunk.min(pixels - start);
@@ -301,9 +313,8 @@ fn close_ranks(
         let (found, to) = (queries.data_address(), scratch.queries.address());
         let (found, to, capacity) =
             if in_place { (found, to, count << places_log2) } else { (to, found, queries.capacity() as u32) };
-        let (counts, offsets) = (scratch.counts.address(), scratch.offsets.address());
         let push = CompactPush { found, counts, offsets, to, capacity, start, count, padding: 0 };
-        on.dispatch(compact, &push, groups)?;
+        on.dispatch(&compact, &push, groups)?;
         if in_place {
             let push = SettlePush {
                 from: scratch.queries.address(),
@@ -315,25 +326,42 @@ fn close_ranks(
                 pixels,
                 padding: 0,
             };
-            on.dispatch(settle, &push, groups)?;
+            on.dispatch(&settle, &push, groups)?;
         }
     }
     Ok(())
 }
 
 impl EyeScratch {
-    fn new(on: &mut Vulkan, label: &'static str, pixels: u32, queries: u64) -> Result<Self> {
-        let (words, bytes) = (u64::from(pixels) * 4, queries * size_of::<Query>() as u64);
-        let counts = on.memory(label, words)?;
-        let offsets = on.memory(label, words)?;
-        let queries = on.memory(label, bytes)?;
-        on.note_memory(label, bytes + 2 * words);
-        Ok(Self { counts, offsets, queries })
+    /// Room for so many pixels with 2 to the power of `places_log2` slots each, whose contents go into `buffer`; that of `kept`,
+    /// if it is enough.
+    fn for_slots<'a>(
+        kept: &'a mut Option<Self>,
+        on: &mut Vulkan,
+        label: &'static str,
+        (pixels, places_log2): (u32, u32),
+        buffer: &VulkanBuffer<Query>,
+    ) -> Result<&'a Self> {
+        let places = u64::from(pixels) << places_log2;
+        let in_place = buffer.capacity() >= places;
+        let chunk = u64::from(on.dispatch_limits.places >> places_log2).max(1) << places_log2;
+        let apart = if in_place { places.min(chunk) } else { places };
+        let (words, bytes) = (u64::from(pixels) * 4, apart * size_of::<Query>() as u64);
+        let made = match kept.take().filter(|kept| kept.counts.bytes() >= words && kept.queries.bytes() >= bytes) {
+            Some(kept) => Self { places_log2, in_place, ..kept },
+            None => {
+                let (counts, offsets) = (on.memory(label, words)?, on.memory(label, words)?);
+                let queries = on.memory(label, bytes)?;
+                on.note_memory(label, bytes + 2 * words);
+                Self { counts, offsets, queries, places_log2, in_place }
+            }
+        };
+        Ok(kept.insert(made))
     }
 
-    fn fits(&self, pixels: u32, queries: u64) -> bool {
-        let (words, bytes) = (u64::from(pixels) * 4, queries * size_of::<Query>() as u64);
-        self.counts.bytes() >= words && self.queries.bytes() >= bytes
+    /// Address of the slots for the contents of `buffer`.
+    fn found(&self, buffer: &VulkanBuffer<Query>) -> u64 {
+        if self.in_place { buffer.data_address() } else { self.queries.address() }
     }
 }
 

@@ -60,15 +60,14 @@ fn photons(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
 }
 
 fn camera(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
-    EyePaths::new(passes.settings, passes.required).kernels(on, scene, &passes.view);
+    EyePaths::new(passes.settings, passes.required).announce(on, scene, &passes.view);
     if passes.maps.iter().any(|map| map.place == MapPlace::Reflection) {
-        EyePaths::for_reflections(passes.settings, passes.required).kernels(on, scene, &passes.view);
+        EyePaths::for_reflections(passes.settings, passes.required).announce(on, scene, &passes.view);
     }
     if passes.required.shadow_rays {
         direct::kernel(on, scene);
     }
     if passes.required.media.contains(MediaFeatures::SCATTERING) {
-        EyePaths::for_segments(passes.required).kernels(on, scene, &passes.view);
         medium_direct::kernel(on, scene);
     }
 }

@@ -1,8 +1,8 @@
 //! Kernels are specialized to the features of the scene, and a render's memory is released after it.
 
 use photon_core::{
-    Backend, Bandwidth, Batch, Deposits, Direct, Display, EstimateParams, Features, FilmBackend, IndexKind, Indirect,
-    MapKind, Maps, Pass, PerMap, Photon, PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render,
+    Backend, Bandwidth, Batch, Deposits, Direct, Display, EstimateParams, EyeBuffers, Features, FilmBackend, IndexKind,
+    Indirect, MapKind, Maps, Pass, PerMap, Photon, PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render,
     Requirements, Search, Settings, TransportBackend, View,
 };
 use photon_scene::{Scene, builtin};
@@ -25,7 +25,10 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
     let mut film = on.film(scene.units(), 8, 8).unwrap();
     let mut queries = on.alloc::<Query>("queries", u64::from(64 * QUERIES_PER_PIXEL)).unwrap();
-    stages.eye.trace_eye(&mut on, &prepared, &view, pass, &mut film, &mut queries).unwrap();
+    stages
+        .eye
+        .trace_eye(&mut on, &prepared, &view, pass, &mut film, EyeBuffers { queries: &mut queries, segments: None })
+        .unwrap();
     stages.direct.as_mut().unwrap().light(&mut on, &prepared, pass, &queries, 1, &mut film).unwrap();
     let map = stages.map.builder.build(&mut on, photons).unwrap();
     let gather = EstimateParams { radius_scale: 0.1, min_normal_cosine: 0.5, ..EstimateParams::new(Search::Radius) };

@@ -120,8 +120,7 @@ impl<B: TransportBackend> Pipeline<B> {
 
     /// Traces the camera paths of the samples of `pass`, and their shadow rays.
     fn camera_rays(&mut self, pass: Pass) -> Result<()> {
-        self.on.mark(Some(Stage::Eye));
-        self.stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, &mut self.queries)?;
+        self.camera_paths(pass)?;
         self.direct_light(pass, pass.sample)?;
         self.on.mark(None);
         Ok(())
@@ -131,18 +130,15 @@ impl<B: TransportBackend> Pipeline<B> {
     /// have the random numbers of camera sample `shadow_sample`.
     pub(super) fn direct_light(&mut self, pass: Pass, shadow_sample: u32) -> Result<()> {
         let shadows = Pass { sample: shadow_sample, ..pass };
-        if let (Some(media), Some(segments)) = (&mut self.stages.media, &mut self.segments) {
-            self.on.mark(Some(Stage::Eye));
-            media.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass, &mut self.film, segments)?;
-            if self.settings.direct == Direct::Nee {
-                self.on.mark(Some(Stage::Direct));
-                let rays = self.settings.shadow_rays;
-                media.direct.light(&mut self.on, &self.scene, shadows, segments, rays, &mut self.film)?;
-            }
+        let rays = self.settings.shadow_rays;
+        if let (Some(media), Some(segments), Direct::Nee) =
+            (&mut self.stages.media, &self.segments, self.settings.direct)
+        {
+            self.on.mark(Some(Stage::Direct));
+            media.direct.light(&mut self.on, &self.scene, shadows, segments, rays, &mut self.film)?;
         }
         if let Some(direct) = &mut self.stages.direct {
             self.on.mark(Some(Stage::Direct));
-            let rays = self.settings.shadow_rays;
             direct.light(&mut self.on, &self.scene, shadows, &self.queries, rays, &mut self.film)?;
         }
         Ok(())

@@ -2,8 +2,8 @@
 
 use super::slot::BuiltMap;
 use super::small_pass::reduced;
-use super::{PILOT_PASS, Pipeline, QUERIES_PER_PIXEL};
-use crate::backend::stages::{BeamParams, EstimateBuffers, Pass};
+use super::{Pipeline, QUERIES_PER_PIXEL};
+use crate::backend::stages::{BeamParams, EstimateBuffers};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::radii;
@@ -48,14 +48,9 @@ impl<B: TransportBackend> Pipeline<B> {
     /// ([`Estimate::effective_photons`]), whose number grows as the square of the radius. Behind several mean free paths, or
     /// beside the peak of a phase function, photons count for little.
     pub(super) fn medium_radius(&mut self, map: &B::PhotonMap, wanted: f64) -> Result<f32> {
-        let (Some(media), Some(segments)) = (&mut self.stages.media, &mut self.segments) else {
-            return Ok(FIRST_RADIUS);
-        };
+        self.pilot_camera_paths(&reduced(self.view, PIXELS))?;
+        let (Some(media), Some(segments)) = (&mut self.stages.media, &self.segments) else { return Ok(FIRST_RADIUS) };
         let Some(estimates) = &mut self.estimates else { return Ok(FIRST_RADIUS) };
-        let pass = Pass::new(&self.settings, PILOT_PASS);
-        let view = reduced(self.view, PIXELS);
-        let mut film = self.on.film(self.units, view.width, view.height)?;
-        media.eye.trace_eye(&mut self.on, &self.scene, &view, pass, &mut film, segments)?;
         // Few photons are counted inaccurately, so that more are looked for.
         let looked_for = wanted.max(8.0);
         let mut radius = FIRST_RADIUS;
@@ -80,9 +75,6 @@ impl<B: TransportBackend> Pipeline<B> {
             let (_, &mut median, _) = squared.select_nth_unstable_by(middle, f64::total_cmp);
             radius = radii::scaled(1.0, median.sqrt() as f32);
         }
-        // Memory is again reported for the film of the picture.
-        drop(film);
-        self.on.abandon_pass(&mut self.film)?;
         Ok(radii::scaled(radius, (wanted / looked_for).sqrt() as f32))
     }
 }

@@ -4,7 +4,7 @@ use super::estimate::is_shown;
 use super::photons::per_map;
 use super::slot::MapSlot;
 use super::{PILOT_PASS, PILOT_PATHS, Pipeline};
-use crate::backend::stages::{EstimateParams, Pass, Search};
+use crate::backend::stages::{EstimateParams, EyeBuffers, Pass, Search, View};
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
 use crate::radius::footprint::Footprint;
@@ -63,6 +63,21 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok(())
     }
 
+    /// Traces the camera paths of `view` in the pilot pass. What they see of lights belongs to no film.
+    pub(super) fn pilot_camera_paths(&mut self, view: &View) -> Result<()> {
+        self.on.mark(Some(Stage::Eye));
+        let pass = Pass::new(&self.settings, PILOT_PASS);
+        let mut film = self.on.film(self.units, view.width, view.height)?;
+        let buffers = EyeBuffers { queries: &mut self.queries, segments: self.segments.as_mut() };
+        self.stages.eye.trace_eye(&mut self.on, &self.scene, view, pass, &mut film, buffers)?;
+        self.on.abandon_pass(&mut film)?;
+        drop(film);
+        // Memory is again reported for the film of the picture.
+        self.on.abandon_pass(&mut self.film)?;
+        self.on.mark(Some(Stage::Estimate));
+        Ok(())
+    }
+
     /// The smallest useful radius of a map: [`Footprint::bound`]. `visible` are the visible points of the pilot pass, once
     /// they are known.
     fn least_radius(
@@ -71,25 +86,10 @@ impl<B: TransportBackend> Pipeline<B> {
         map: &B::PhotonMap,
         visible: &mut Option<Vec<Query>>,
     ) -> Result<f32> {
-        let pass = Pass::new(&self.settings, PILOT_PASS);
         if visible.is_none() {
-            self.on.mark(Some(Stage::Eye));
-            // What the camera sees of lights belongs to no pass.
-            let mut film = self.on.film(self.units, footprint.joined.width, footprint.joined.height)?;
-            self.stages.eye.trace_eye(
-                &mut self.on,
-                &self.scene,
-                &footprint.joined,
-                pass,
-                &mut film,
-                &mut self.queries,
-            )?;
+            self.pilot_camera_paths(&footprint.joined)?;
             let mut queries = Vec::new();
             self.on.download(&self.queries, &mut queries)?;
-            self.on.abandon_pass(&mut film)?;
-            drop(film);
-            // Memory is again reported for the film of the picture.
-            self.on.abandon_pass(&mut self.film)?;
             footprint.search(&mut queries);
             *visible = Some(queries);
         }
@@ -97,7 +97,6 @@ impl<B: TransportBackend> Pipeline<B> {
         if queries.is_empty() {
             return Ok(0.0);
         }
-        self.on.mark(Some(Stage::Estimate));
         let gather = EstimateParams {
             min_normal_cosine: self.settings.min_normal_cosine,
             max_plane_distance: self.settings.plane_distance(),

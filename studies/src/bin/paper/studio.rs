@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use photon_core::{
-    Batch, Deposits, Estimate, Film, Layer, MapKind, Pass, PerMap, Photon, PhotonRay, QUERIES_PER_PIXEL, Query,
-    Requirements, Result, Stage, StageTimings, TransportBackend, View,
+    Batch, Deposits, Estimate, EyeBuffers, Film, Layer, MapKind, Pass, PerMap, Photon, PhotonRay, QUERIES_PER_PIXEL,
+    Query, Requirements, Result, Stage, StageTimings, TransportBackend, View,
 };
 use photon_scene::Scene;
 
@@ -96,7 +96,8 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
                 self.fill(&mut stages, pass(1), global.paths, &mut rays, [&mut None, &mut global.photons])?;
             }
             self.on.mark(Some(Stage::Eye));
-            stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass(0), &mut film, &mut queries)?;
+            let buffers = EyeBuffers { queries: &mut queries, segments: None };
+            stages.eye.trace_eye(&mut self.on, &self.scene, &self.view, pass(0), &mut film, buffers)?;
             if let Some(direct) = &mut stages.direct {
                 self.on.mark(Some(Stage::Direct));
                 let rays = experiment.settings.shadow_rays;

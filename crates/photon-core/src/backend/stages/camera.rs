@@ -1,15 +1,26 @@
 //! Stages of camera paths, and of rays from where they end.
 
-use crate::backend::TransportBackend;
 use crate::backend::stages::{EstimateBuffers, EstimateParams, Pass, View};
+use crate::backend::{Backend, TransportBackend};
 use crate::error::Result;
 use crate::scene::layout::Query;
+
+/// Buffers that camera paths fill.
+// Exhaustive: as `Batch`.
+#[derive(Debug)]
+pub struct EyeBuffers<'a, B: Backend> {
+    /// Visible points.
+    pub queries: &'a mut B::Buffer<Query>,
+    /// [`crate::Segment`]s in media that scatter light, at most [`crate::Pipeline`]'s number for each pixel; `None` if they are
+    /// not required.
+    pub segments: Option<&'a mut B::Buffer<Query>>,
+}
 
 /// Traces camera paths to the first diffuse surface.
 pub trait EyeTracer<B: TransportBackend>: Send {
     /// Adds the emission seen by the camera in the samples of `pass` to the film, with depth, normal and albedo, and replaces the
-    /// contents of `queries` with the visible points. Several samples are in the film after [`crate::FilmBackend::add_samples`];
-    /// the queries of one follow those of the one before, and their pixels are numbered on, as of pictures below one another.
+    /// contents of `buffers`. Several samples are in the film after [`crate::FilmBackend::add_samples`]; the queries and segments
+    /// of one follow those of the one before, and their pixels are numbered on, as of pictures below one another.
     ///
     /// # Errors
     /// Errors of the backend.
@@ -20,7 +31,7 @@ pub trait EyeTracer<B: TransportBackend>: Send {
         view: &View,
         pass: Pass,
         film: &mut B::Film,
-        queries: &mut B::Buffer<Query>,
+        buffers: EyeBuffers<'_, B>,
     ) -> Result<()>;
 
     /// Number of paths since [`EyeTracer::trace_eye`] of the last sample 0 that were to go on where they met the last surface that

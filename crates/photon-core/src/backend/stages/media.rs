@@ -1,7 +1,7 @@
 //! Stages of media that scatter light.
 
 use crate::backend::TransportBackend;
-use crate::backend::stages::{DirectLight, EstimateBuffers, EyeTracer};
+use crate::backend::stages::{DirectLight, EstimateBuffers};
 use crate::error::Result;
 use crate::scene::layout::Query;
 use crate::settings::kernel::Kernel;
@@ -44,9 +44,6 @@ pub trait BeamEstimator<B: TransportBackend>: Send {
 #[expect(missing_debug_implementations, reason = "boxed stages")]
 // Exhaustive: as `Stages`.
 pub struct MediaStages<B: TransportBackend> {
-    /// Traces camera paths, leaves their segments in such media, at most [`crate::Pipeline`]'s number for each pixel, and adds
-    /// nothing to the film.
-    pub eye: Box<dyn EyeTracer<B>>,
     /// Adds light of light sources that is scattered once along segments to [`crate::Layer::Direct`].
     pub direct: Box<dyn DirectLight<B>>,
     /// Estimates from the maps.

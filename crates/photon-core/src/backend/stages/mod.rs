@@ -10,7 +10,7 @@ mod photons;
 
 use crate::backend::{Backend, TransportBackend};
 
-pub use camera::{AreaProbe, DirectLight, EyeTracer};
+pub use camera::{AreaProbe, DirectLight, EyeBuffers, EyeTracer};
 pub use gather::{FinalGather, IrradiancePoints, Maps};
 pub(crate) use map::no_errors;
 pub use map::{EstimateBuffers, KdTreeBuilder, RadianceEstimator};

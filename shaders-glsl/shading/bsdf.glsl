@@ -15,6 +15,16 @@ const bool GLASS = (FEATURES & (FEATURE_DIELECTRIC | FEATURE_THIN)) != 0u;
 // Most total reflections of a path that may meet `max_bounces` surfaces; one more truncates it.
 uint most_total_reflections(uint max_bounces) { return max(64u, max_bounces / 16u); }
 
+// Russian roulette for a camera path of this throughput, by a random word: the factor on the throughput, 0 if the path ends.
+float russian_roulette(vec3 throughput, uint word) {
+    const float all = 4294967296.0;
+    precise float chance = max(max(throughput.x, throughput.y), throughput.z) / NEGLIGIBLE_THROUGHPUT;
+    if (chance >= 1.0) return 1.0;
+    // The number of words with which it goes on, of which the factor is the exact inverse.
+    uint words = uint(chance * all);
+    return word < words ? all / float(words) : 0.0;
+}
+
 // A surface as hit by one path.
 struct Bsdf {
     uint kind;

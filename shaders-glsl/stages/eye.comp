@@ -47,8 +47,6 @@ layout(constant_id = 13) const uint SEGMENTS = 0;
 #include "shading/shadow_terminator.glsl"
 #include "shading/stretches.glsl"
 
-// Whether paths leave queries at visible points, and add to the film.
-const bool POINTS = !REFLECTIONS;
 // Log2 of the number of slots of segments for each pixel.
 const uint SEGMENT_PLACES_LOG2 = SEGMENTS > 1u ? PATHS_LOG2 : 0u;
 const bool ALL_LIGHTS = CAUSTIC_ROUGHNESS != 0xFFFFFFFFu;
@@ -125,44 +123,26 @@ vec3 seen_through(Path path, uint media) {
     return path.throughput * radiance_scale(push.scene, push.camera.at.media, media, wavelength_of(path));
 }
 
-// Whether a path that is to go on has met as many surfaces as it may, or is trapped; it is counted if light is missing.
-bool truncates(Path path) {
-    uint total = path.total;
-    if (DISPERSION) total &= 0xFFFFu;
-    bool is_trapped = GLASS && total > most_total_reflections(push.max_bounces);
-    if (path.surfaces < push.max_bounces && !is_trapped) return false;
-    vec3 left = path.throughput;
-    if (max(max(left.x, left.y), left.z) >= NEGLIGIBLE_THROUGHPUT) count_one(push.truncated);
-    return true;
-}
-
 uvec4 words(uint pixel, uint branch, uint block) {
     return philox4x32(uvec4((pixel << PATHS_LOG2) + branch, block, push.pass, domain), push.seed);
 }
 
-// The camera ray through a point of the image, both coordinates in [-1, 1].
-Ray camera_ray(float x, float y) {
-    Camera camera = push.camera.at;
-    precise vec3 offset = camera.right * x + camera.up * y;
-    if (camera.kind == CAMERA_ORTHOGRAPHIC) {
-        precise vec3 origin = camera.origin + offset;
-        return Ray(origin, camera.forward, NO_LIMIT);
+// Whether a path that is to go on ends: it has met as many surfaces as it may, or is trapped, which is counted if light is
+// missing; or by Russian roulette, since it is dark.
+bool ends(inout Path path, uint pixel) {
+    vec3 left = path.throughput;
+    bool is_dark = max(max(left.x, left.y), left.z) < NEGLIGIBLE_THROUGHPUT;
+    uint total = path.total;
+    if (DISPERSION) total &= 0xFFFFu;
+    bool is_trapped = GLASS && total > most_total_reflections(push.max_bounces);
+    if (path.surfaces >= push.max_bounces || is_trapped) {
+        if (!is_dark) count_one(push.truncated);
+        return true;
     }
-    precise vec3 towards = camera.forward + offset;
-    return Ray(camera.origin, normalize_or(towards, camera.forward), NO_LIMIT);
-}
-
-// The ray through a point of the image and a uniformly distributed point of the lens: all rays through a point of the
-// image meet in the plane that is in focus.
-Ray lens_ray(float x, float y, uvec2 random) {
-    Camera camera = push.camera.at;
-    vec2 point = sampling_disc(unit_f32(random.x), unit_f32(random.y));
-    vec3 right = normalize_or(camera.right, vec3(0.0));
-    vec3 up = normalize_or(camera.up, vec3(0.0));
-    precise vec3 lens = (right * point.x + up * point.y) * camera.lens_radius;
-    precise vec3 towards = camera.forward + (camera.right * x + camera.up * y) - lens / camera.focus_distance;
-    precise vec3 origin = camera.origin + lens;
-    return Ray(origin, normalize_or(towards, camera.forward), NO_LIMIT);
+    if (!is_dark) return false;
+    float factor = russian_roulette(left, words(pixel, path.branch, BLOCK_LIGHT_SIDES + path.surfaces).y);
+    path.throughput = left * factor;
+    return factor == 0.0;
 }
 
 // Continues the path from `at`; if it splits there, the other path is returned in `other`.
@@ -234,6 +214,7 @@ void leave_query(
     found++;
 }
 
+#include "stages/camera_ray.glsl"
 #include "stages/eye_glossy.glsl"
 #include "stages/eye_rough_glass.glsl"
 #include "stages/eye_segments.glsl"
@@ -260,9 +241,10 @@ void main() {
     precise float across = 2.0 * (float(x) + unit_f32(jitter.x)) / float(push.width) - 1.0;
     precise float down = 2.0 * (float(y) + unit_f32(jitter.y)) / float(push.height) - 1.0;
     Ray ray;
-    if (THIN_LENS) ray = lens_ray(across, -down, jitter.zw);
-    else ray = camera_ray(across, -down);
-    Path path = Path(ray, vec3(1.0), GLASS ? push.camera.at.media : VACUUM, 0, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0), false, ray.direction);
+    if (THIN_LENS) ray = ray_through_lens(across, -down, jitter.zw);
+    else ray = ray_through_pinhole(across, -down);
+    uint media = GLASS ? push.camera.at.media : VACUUM;
+    Path path = Path(ray, vec3(1.0), media, 0, 0, 0, 0, 0.0, vec3(0.0), vec3(0.0), false, ray.direction);
 
     // No path splits more than twice, so that at most two wait.
     Path waiting[2];
@@ -290,7 +272,7 @@ void main() {
             normal = at.normal;
             if (SHADED) normal = shade(push.scene, at, hit, material, layers);
             if (BENT_NORMALS && material.kind != MATERIAL_LAMBERT) shade_specular(at, path.ray.direction, normal);
-            if (path.surfaces == 0 && POINTS) {
+            if (path.surfaces == 0 && !REFLECTIONS) {
                 FirstPass first = push.first + place;
                 // Sums over the camera samples of the pass; stale before the first hit.
                 uint hits = first.hits;
@@ -302,13 +284,15 @@ void main() {
             sides = media_interface(push.scene, material, at.front, path.media);
             end = at.t;
         }
+        vec3 passed = vec3(1.0);
         if (SEGMENTS != 0u) {
-            leave_segments(path, pixel, sides.before, end, escaped ? path.ray.direction : -at.normal, reservoir, segments);
+            vec3 plane = escaped ? path.ray.direction : -at.normal;
+            passed = leave_segments(path, pixel, sides.before, end, plane, reservoir, segments);
             if (!escaped) path.start = at.normal;
+        } else if (may_attenuate(sides.before)) {
+            passed = transmittance(push.scene, path.ray, end, sides.before);
         }
-        if ((!escaped || BOUNDARIES && POINTS) && may_attenuate(sides.before)) {
-            path.throughput *= transmittance(push.scene, path.ray, end, sides.before);
-        }
+        if (!escaped || BOUNDARIES) path.throughput *= passed;
         if (DISPERSION && !escaped && media_is_dispersive(push.scene, sides)) {
             uint key = (pixel << PATHS_LOG2) + path.branch;
             uint drawn = wavelength_word(push.seed, push.pass, domain, key, 0u);
@@ -319,7 +303,7 @@ void main() {
         // The factor from radiance that arrives along the ray to its contribution at the camera.
         vec3 seen = seen_through(path, sides.before);
         if (!escaped) {
-            if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && POINTS && material.emission != vec3(0.0)
+            if ((FEATURES & FEATURE_AREA_LIGHTS) != 0 && !REFLECTIONS && material.emission != vec3(0.0)
                 && (at.front || (material.flags & MATERIAL_EMITS_BOTH_SIDES) != 0)) {
                 vec3 throughput = seen;
                 if (FOLLOWED && weighs_lights(path)) {
@@ -342,7 +326,7 @@ void main() {
             } else if (ROUGH_GLASS && rule == SCATTERING_ROUGH_GLASS) {
                 glass = rough_glass_new(push.scene, material, at.cosine, sides);
             }
-            if (FOLLOWED && POINTS && rule != SCATTERING_SIMPLE) {
+            if (FOLLOWED && !REFLECTIONS && rule != SCATTERING_SIMPLE) {
                 Surface lit = lit_surface(at, normal, offset);
                 Side side = Side(lit.start, lit.normal, normal, sides.before, 1.0);
                 if (ROUGH_GLASS && rule == SCATTERING_ROUGH_GLASS) {
@@ -372,12 +356,12 @@ void main() {
                 if (bsdf.kind == MATERIAL_LAMBERT) {
                     vec3 throughput = seen * bsdf.albedo * 0.318309886;
                     uvec2 media_coat = uvec2(sides.before, 0u);
-                    if (POINTS) leave_query(path, pixel, at, offset, normal, media_coat, 0u, throughput, found);
+                    if (!REFLECTIONS) leave_query(path, pixel, at, offset, normal, media_coat, 0u, throughput, found);
                     alive = false;
                 } else {
                     path.surfaces++;
                     if (bsdf_is_total(bsdf)) path.total++;
-                    alive = !truncates(path);
+                    alive = !ends(path, pixel);
                     Path other;
                     if (alive && go_on(path, other, pixel, at, normal, bsdf, sides.transmitted)) {
                         waiting[waits] = other;
@@ -385,7 +369,7 @@ void main() {
                     }
                 }
             }
-        } else if (POINTS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
+        } else if (!REFLECTIONS && !(HIDES_BACKGROUND && path.surfaces == 0)) {
             if (ENVIRONMENT) {
                 vec3 throughput = seen;
                 if (FOLLOWED && weighs_lights(path)) {
@@ -411,7 +395,7 @@ void main() {
         push.segment_counts[place].at = segments;
     }
     const uint lit = FEATURE_AREA_LIGHTS | FEATURE_ENVIRONMENT | FEATURE_SUN | FEATURE_GLOSSY | FEATURE_ROUGH_GLASS;
-    if ((FEATURES & lit) != 0 && POINTS && emission != vec3(0.0)) {
+    if ((FEATURES & lit) != 0 && !REFLECTIONS && emission != vec3(0.0)) {
         for (uint c = 0; c < 3; c++) {
             Planes light = film_place(push.emission, c, push.width * push.height * push.samples, place);
             light.at += emission[c];

@@ -179,7 +179,7 @@ bool reflect_path(
         }
         leave_query(path, pixel, at, offset, facing, media_coat, packed, throughput, found);
     }
-    if (!reflects || truncates(path)) return false;
+    if (!reflects || ends(path, pixel)) return false;
     Surface lit = lit_surface(at, normal, offset);
     vec3 onward;
     Reflected reflected = glossy_sample(

@@ -20,7 +20,7 @@ Side rough_glass_lit_side(Path path, uint pixel, Surface at, vec3 offset, vec3 n
 // Continues the path by reflection or transmission. Returns whether it goes on.
 bool scatter_path(inout Path path, uint pixel, Surface at, vec3 offset, vec3 normal, Interface sides, RoughGlass glass) {
     path.surfaces++;
-    if (truncates(path)) return false;
+    if (ends(path, pixel)) return false;
     uvec4 random = words(pixel, path.branch, BLOCK_SURFACES + path.surfaces);
     RoughSample drawn = rough_glass_sample(push.scene, glass, -path.ray.direction, normal, unit_f32(random.x),
         unit_f32(random.y), unit_f32(random.z));

@@ -57,11 +57,11 @@ void leave_segment(
 }
 
 // Leaves the segments of a path in a stack of media up to the distance `end`, NO_LIMIT without a surface, where there is a plane
-// with this normal: one for each stretch in which light is scattered.
-void leave_segments(
+// with this normal: one for each stretch in which light is scattered. Returns the transmittance of all of it.
+vec3 leave_segments(
     Path path, uint pixel, uint media, float end, vec3 plane, inout Reservoir reservoir, inout uint found
 ) {
-    vec3 throughput = seen_through(path, media);
+    vec3 seen = seen_through(path, media), passed = vec3(1.0);
     vec3 start = path.start;
     if (dot3(start, path.ray.direction) < 0.0) start = -start;
     Stretches all = stretches_begin(push.scene, path.ray, end, media);
@@ -72,9 +72,10 @@ void leave_segments(
         precise vec3 origin = path.ray.origin + path.ray.direction * part.from;
         vec3 first = part.start == vec3(0.0) ? start : part.start, last = part.end == vec3(0.0) ? plane : part.end;
         Ray ray = Ray(origin, path.ray.direction, NO_LIMIT);
-        leave_segment(throughput, pixel, stack, part.medium, ray, part.to - part.from, first, last, reservoir, found);
-        throughput *= stretch_transmittance(push.scene, part.medium, path.ray, part.from, part.to);
+        leave_segment(seen * passed, pixel, stack, part.medium, ray, part.to - part.from, first, last, reservoir, found);
+        passed *= stretch_transmittance(push.scene, part.medium, path.ray, part.from, part.to);
     }
+    return passed;
 }
 
 // Completes the last slot.

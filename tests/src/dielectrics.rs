@@ -1,8 +1,8 @@
 //! T: dielectrics.
 
 use photon_core::fresnel::fresnel;
-use photon_core::{Estimator, MapKind, Settings};
-use photon_scene::{LightDesc, MaterialDesc, SceneBuilder, Surface, shapes};
+use photon_core::{Direct, Estimator, Indirect, MapKind, NEGLIGIBLE_THROUGHPUT, Settings};
+use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, SceneBuilder, Surface, shapes};
 use std::f64::consts::PI;
 
 use crate::harness::{TestBackend, film, trace};
@@ -79,6 +79,40 @@ pub fn t4_slab<T: TestBackend>() {
         let error = (0.25 / f64::from(n)).sqrt() / share;
         assert_agrees("R", (with - (1.0 - share)) / share, reflected, error, 0.0);
         assert_agrees("T", (without - with) / share, through, error * 2.0_f64.sqrt(), 0.0);
+    }
+}
+
+/// A light of radiance L behind a dark slab at normal incidence: `(1 − r)²·e^(−σd)·L`, though camera paths as dark as these end
+/// by Russian roulette at its far side: of n paths a part p goes on, with a relative error of √((1 − p)/(pn)).
+pub fn camera_paths_through_dark_glass<T: TestBackend>() {
+    let (r, passes, size) = (0.04, 16, 64);
+    for depth in [13.0_f64, 15.0, 17.0] {
+        let mut builder = SceneBuilder::new();
+        let (positions, triangles) = shapes::cuboid([-1.0, -1.0, -1.0], [1.0, 1.0, 0.0]);
+        let material = builder.material(glass(1.5, depth));
+        builder.mesh("slab", positions, triangles, material);
+        let radiance = depth.exp();
+        let lit = builder.material(MaterialDesc::emissive("light", [0.0; 3], [radiance; 3]));
+        builder.quad("light", [[-1.0, -1.0, -2.0], [1.0, -1.0, -2.0], [1.0, 1.0, -2.0], [-1.0, 1.0, -2.0]], lit);
+        let projection = Projection::Orthographic { half_height: 0.3 };
+        builder.camera("front", CameraDesc::new([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0], projection));
+        let settings = Settings {
+            photons: 100,
+            direct: Direct::None,
+            indirect: Indirect::None,
+            caustics: false,
+            ..Settings::default()
+        };
+        let film = film::<T>(&builder.build().unwrap(), &settings, passes, size);
+        let beauty = film.beauty();
+        let seen = beauty.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / beauty.len() as f64;
+        let truth = (1.0 - r) * (1.0 - r);
+        let part = ((1.0 - r) * (-depth).exp() / f64::from(NEGLIGIBLE_THROUGHPUT)).min(1.0);
+        let paths = f64::from(passes * size * size);
+        let error = truth * ((1.0 - part) / (part * paths)).sqrt();
+        // Rays start beside surfaces, so that they miss some millionths of the slab.
+        assert_agrees(&format!("depth {depth}"), seen, truth, error, 3e-6 * depth);
+        assert!((part < 1.0) == beauty.iter().any(|pixel| pixel[0] < 0.1), "depth {depth}: paths end at {part}");
     }
 }
 

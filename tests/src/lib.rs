@@ -155,8 +155,8 @@ macro_rules! whole_suite {
                 c6_plates_between_mirrors, c7_point_light_and_mirrors, c8_path_lengths, c9_conservation,
             }
             dielectrics::{
-                t1_t2_t3_fresnel, t4_slab, t6_light_at_the_centre, t7_trapped_light, t9_ball_lens,
-                t13_ior_one_is_invisible,
+                t1_t2_t3_fresnel, t4_slab, camera_paths_through_dark_glass, t6_light_at_the_centre, t7_trapped_light,
+                t9_ball_lens, t13_ior_one_is_invisible,
             }
             inside::{
                 g1_even_sky_over_glass, light_inside_glass, furnace_with_glass, glow_from_inside,

@@ -17,7 +17,7 @@ use crate::stages::beam_estimate::CpuBeamEstimator;
 use crate::stages::direct::CpuDirect;
 use crate::stages::emit::{CpuAimedEmitter, CpuEmitter};
 use crate::stages::estimate::CpuEstimator;
-use crate::stages::eye::{CpuEye, EyeQueries};
+use crate::stages::eye::CpuEye;
 use crate::stages::final_gather::CpuGather;
 use crate::stages::irradiance::CpuIrradiance;
 use crate::stages::medium_direct::CpuMediumDirect;
@@ -43,7 +43,7 @@ impl TransportBackend for Cpu {
             eye: Box::new(CpuEye {
                 max_bounces: settings.max_bounces,
                 hides_background: settings.transparent_background,
-                leaves: EyeQueries::VisiblePoints,
+                reflections: false,
                 most_segments: segments_per_pixel(required),
                 terminator_offset: required.terminator_offset,
                 caustic_roughness: required.caustic_roughness(settings),
@@ -64,7 +64,7 @@ impl TransportBackend for Cpu {
                 eye: Box::new(CpuEye {
                     max_bounces: settings.max_bounces,
                     hides_background: false,
-                    leaves: EyeQueries::Reflections,
+                    reflections: true,
                     most_segments: 0,
                     terminator_offset: required.terminator_offset,
                     caustic_roughness: required.caustic_roughness(settings),

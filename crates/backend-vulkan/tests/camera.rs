@@ -191,6 +191,59 @@ fn queries_are_the_same_twice_and_overflow_is_counted() {
     assert_eq!((fill.length, fill.needed, fill.capacity), (100, once.len() as u64, 100));
 }
 
+/// Visible points and segments in media that camera paths of pass 0 leave, and how many segments; with room for `most` of them,
+/// or without segments. Those that do not fit are not read.
+fn look_through<B: TransportBackend>(on: &mut B, scene: &Scene, most: Option<u64>) -> ([Vec<Query>; 2], u64) {
+    let (scene_view, view, settings) = (scene.view(), view(scene, SIZE, SIZE), settings());
+    let required = Requirements::of(&scene_view, &settings);
+    let mut film = on.film(scene_view.units, SIZE, SIZE).unwrap();
+    let prepared = on.prepare(&scene_view, &required).unwrap();
+    let mut stages = on.stages(&required, &settings).unwrap();
+    let mut queries = on.alloc("queries", u64::from(SIZE * SIZE) * 4).unwrap();
+    let mut segments = most.map(|most| on.alloc::<Query>("segments", most).unwrap());
+    let buffers = EyeBuffers { queries: &mut queries, segments: segments.as_mut() };
+    stages.eye.trace_eye(on, &prepared, &view, pass(0), &mut film, buffers).unwrap();
+    let mut found = [Vec::new(), Vec::new()];
+    on.download(&queries, &mut found[0]).unwrap();
+    let mut needed = 0;
+    if let Some(segments) = &segments {
+        let fill = on.fill(segments).unwrap();
+        assert_eq!(fill.length, fill.needed.min(fill.capacity));
+        needed = fill.needed;
+        if needed == fill.length {
+            on.download(segments, &mut found[1]).unwrap();
+        }
+    }
+    (found, needed)
+}
+
+/// Segments are the same on both backends, and in pixel order. Visible points depend neither on them nor on their room.
+#[test]
+fn segments_are_left_beside_visible_points() {
+    let Some(mut gpu) = low_level::for_tests() else { return };
+    let mut cpu = Cpu::with_threads(2).unwrap();
+    for name in ["fog", "glass-fog", "milk"] {
+        let scene = scene(name);
+        let room = u64::from(SIZE * SIZE) * 4;
+        let ([points_a, a], needed_a) = look_through(&mut cpu, &scene, Some(room));
+        let ([points_b, b], needed_b) = look_through(&mut gpu, &scene, Some(room));
+        eprintln!("{name}: {} and {} segments, {} match", a.len(), b.len(), share(&a, &b));
+        assert!(a.len() > 1000 && needed_a == a.len() as u64 && needed_b == b.len() as u64, "{name}");
+        assert!(share(&a, &b) > 0.99 && share(&points_a, &points_b) > 0.99, "{name}");
+        for all in [&a, &b] {
+            assert!(all.is_sorted_by_key(|segment| segment.pixel), "{name}");
+        }
+        let ([points, _], needed) = look_through(&mut gpu, &scene, Some(100));
+        assert!(points == points_b && needed == needed_b, "{name}");
+        for (points, [alone, none]) in
+            [(points_a, look_through(&mut cpu, &scene, None).0), (points_b, look_through(&mut gpu, &scene, None).0)]
+        {
+            assert!(none.is_empty() && alone.len() == points.len(), "{name}");
+            assert!(share(&alone, &points) > 0.999, "{name}");
+        }
+    }
+}
+
 /// More queries than are compacted at a time, and more pixels than are read back at a time.
 #[test]
 fn large_pictures_come_in_stretches() {

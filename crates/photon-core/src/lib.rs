@@ -91,7 +91,7 @@ pub use settings::{
     Area, Bandwidth, CausticPhotons, Direct, Estimator, IndexKind, Indirect, Paper, RandomKind, Scheduling, Settings,
 };
 pub use shading::albedo_table::AlbedoTable;
-pub use shading::bsdf::{Bsdf, Lobe, NEGLIGIBLE_THROUGHPUT, most_total_reflections};
+pub use shading::bsdf::{Bsdf, Lobe, NEGLIGIBLE_THROUGHPUT, most_total_reflections, russian_roulette};
 pub use shading::environment::EnvironmentSample;
 pub use shading::glossy::{Coat, Glossy, Reflected};
 pub use shading::interaction::SurfaceInteraction;

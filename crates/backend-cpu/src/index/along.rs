@@ -3,7 +3,7 @@
 use crate::index::dispatch::Dispatched;
 use crate::index::lanes::{Distances, Lanes};
 use crate::index::layout::{Block, Node, Tree, WIDTH};
-use crate::index::range::{Search, walk};
+use crate::index::range::{Batches, Search, Waiting, walk};
 
 /// A segment, and how far points may lie from it.
 #[derive(Clone, Copy)]
@@ -16,31 +16,34 @@ pub(crate) struct Line {
     pub(crate) radius: f32,
 }
 
-/// Calls `found` with slot, distance of the foot along the line and squared distance from the line of every point within the
-/// radius whose foot is in range.
-pub(crate) struct Along<'a, F> {
+/// Passes every point within the radius of the line whose foot is in range, with its squared distance from the line, to `batches`
+/// if it is accepted.
+pub(crate) struct Along<'a, B> {
     pub(crate) tree: &'a Tree,
     pub(crate) line: Line,
-    pub(crate) found: F,
+    pub(crate) batches: &'a mut B,
 }
 
-impl<F: FnMut(u32, f32, f32)> Dispatched for Along<'_, F> {
+impl<B: Batches> Dispatched for Along<'_, B> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, lanes: L) {
         let slabs = Slabs::new(&self.line);
-        walk(lanes, self.tree, &mut Blocks { of: &mut self, slabs });
+        let mut blocks = Blocks { of: &mut self, slabs, waiting: Waiting::default() };
+        walk(lanes, blocks.of.tree, &mut blocks);
+        blocks.waiting.finish(blocks.of.batches);
     }
 }
 
 /// The blocks with a point that counts.
-struct Blocks<'a, 'b, F> {
-    of: &'b mut Along<'a, F>,
+struct Blocks<'a, 'b, B> {
+    of: &'b mut Along<'a, B>,
     slabs: Slabs,
+    waiting: Waiting,
 }
 
-impl<L: Lanes, F: FnMut(u32, f32, f32)> Search<L> for Blocks<'_, '_, F> {
+impl<L: Lanes, B: Batches> Search<L> for Blocks<'_, '_, B> {
     #[inline(always)]
     fn children(&self, lanes: L, node: &Node) -> u32 {
         lanes.at_most(&self.slabs.to_boxes(node), 0.0)
@@ -48,32 +51,27 @@ impl<L: Lanes, F: FnMut(u32, f32, f32)> Search<L> for Blocks<'_, '_, F> {
 
     #[inline(always)]
     fn block(&mut self, lanes: L, number: u32) -> bool {
-        let Along { tree, line, found } = &mut *self.of;
-        let (along, d2) = to_points(&tree.blocks[number as usize], line);
-        let mut hits = lanes.at_most(&d2, line.radius * line.radius);
-        while hits != 0 {
-            let lane = hits.trailing_zeros();
-            hits &= hits - 1;
-            found(number * WIDTH as u32 + lane, along[lane as usize % WIDTH], d2[lane as usize % WIDTH]);
-        }
+        let Along { tree, line, batches } = &mut *self.of;
+        let d2 = to_points(&tree.blocks[number as usize], line);
+        let hits = lanes.at_most(&d2, line.radius * line.radius);
+        self.waiting.add(*batches, number, hits, &d2);
         true
     }
 }
 
-/// The feet of points on the line, and squared distances from it: infinite out of range, NaN in empty lanes.
+/// Squared distances of points from the line: infinite out of range, NaN in empty lanes.
 #[inline(always)]
-fn to_points(block: &Block, line: &Line) -> (Distances, Distances) {
+fn to_points(block: &Block, line: &Line) -> Distances {
     let ([ox, oy, oz], [dx, dy, dz], [first, last]) = (line.origin, line.direction, line.range);
-    let (mut along, mut d2) = ([0.0; WIDTH], [0.0; WIDTH]);
+    let mut d2 = [0.0; WIDTH];
     for lane in 0..WIDTH {
         let (x, y, z) = (block.x[lane] - ox, block.y[lane] - oy, block.z[lane] - oz);
         let foot = x * dx + y * dy + z * dz;
         let (x, y, z) = (x - foot * dx, y - foot * dy, z - foot * dz);
         let squared = x * x + y * y + z * z;
-        along[lane] = foot;
         d2[lane] = if foot < first || foot > last { f32::INFINITY } else { squared };
     }
-    (along, d2)
+    d2
 }
 
 /// The line for tests of boxes: reciprocals of its direction, and the radius with room for rounding.
@@ -128,7 +126,22 @@ mod tests {
     use photon_core::random::{SplitMix64, unit_f32};
     use photon_core::sampling;
 
-    use crate::index::PointIndex;
+    use crate::index::layout::WIDTH;
+    use crate::index::{Batches, PointIndex};
+
+    /// All points that are found.
+    #[derive(Default)]
+    struct Found(Vec<(u32, f32)>);
+
+    impl Batches for Found {
+        fn accepts(&self, _slot: u32) -> bool {
+            true
+        }
+
+        fn take(&mut self, slots: &[u32; WIDTH], d2: &[f32; WIDTH], count: usize) {
+            self.0.extend(slots[..count].iter().copied().zip(d2.iter().copied()));
+        }
+    }
 
     /// Points found are those of a test of all, for random lines and for lines along an axis.
     #[test]
@@ -148,11 +161,10 @@ mod tests {
                     _ => sampling::uniform_sphere(number() - 0.5, number()),
                 };
                 let (length, radius) = (number() * 30.0, 0.1 * number() * number());
-                let mut found = Vec::new();
-                index.along(origin.into(), direction.into(), length, radius, |slot, along, d2| {
-                    assert!(d2 <= radius * radius && along >= -8.0 * radius && along <= length + 8.0 * radius);
-                    found.push(index.order()[slot as usize]);
-                });
+                let mut found = Found::default();
+                index.batches_along(origin.into(), direction.into(), length, radius, &mut found);
+                assert!(found.0.iter().all(|&(_, d2)| d2 <= radius * radius));
+                let mut found: Vec<u32> = found.0.iter().map(|&(slot, _)| index.order()[slot as usize]).collect();
                 found.sort_unstable();
                 let counts = |point: &[f32; 3]| {
                     let v = Vec3::from(*point) - origin;

@@ -209,21 +209,21 @@ impl PointIndex {
         self.isa.run(range::WithinBatches { tree: &self.tree, query, r2, batches });
     }
 
-    /// Calls `visit` with the slot, the distance along the line and the squared distance from it of every point within `radius`
-    /// of a segment, in an order that depends only on the arguments. `direction` is a unit vector. Points count whose foot on the
-    /// line is at most eight radii beyond an end, so that a caller can end the segment by oblique planes.
+    /// Passes every point within `radius` of a segment, with its squared distance from the line, to `batches`, in an order that
+    /// depends only on the arguments. `direction` is a unit vector. Points count whose foot on the line is at most eight radii
+    /// beyond an end, so that a caller can end the segment by oblique planes.
     #[inline]
-    pub fn along(
+    pub(crate) fn batches_along(
         &self,
         origin: [f32; 3],
         direction: [f32; 3],
         length: f32,
         radius: f32,
-        visit: impl FnMut(u32, f32, f32),
+        batches: &mut impl Batches,
     ) {
         let range = [-8.0 * radius, length + 8.0 * radius];
         let line = along::Line { origin, direction, range, radius };
-        self.isa.run(along::Along { tree: &self.tree, line, found: visit });
+        self.isa.run(along::Along { tree: &self.tree, line, batches });
     }
 
     /// The number of points that [`Self::within`] would visit.

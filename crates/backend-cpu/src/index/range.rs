@@ -130,7 +130,7 @@ impl<T, F: Fold<T>> Dispatched for Within<'_, T, F> {
     }
 }
 
-/// Use of the points within a radius, up to sixteen at a time.
+/// Use of the points that a search finds, up to sixteen at a time.
 pub(crate) trait Batches {
     /// Whether a point counts. Has to be `#[inline(always)]`, as [`Self::take`].
     fn accepts(&self, slot: u32) -> bool;
@@ -153,23 +153,45 @@ impl<B: Batches> Dispatched for WithinBatches<'_, B> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let (mut slots, mut distances, mut count) = ([0; WIDTH], [0.0; WIDTH], 0);
-        blocks_within(lanes, self.tree, self.query, self.r2, |block, mut hits, d2| {
-            while hits != 0 {
-                let lane = hits.trailing_zeros();
-                hits &= hits - 1;
-                let slot = block * WIDTH as u32 + lane;
-                (slots[count], distances[count]) = (slot, d2[lane as usize % WIDTH]);
-                count += usize::from(self.batches.accepts(slot));
-                if count == WIDTH {
-                    self.batches.take(&slots, &distances, count);
-                    count = 0;
-                }
-            }
+        let mut waiting = Waiting::default();
+        blocks_within(lanes, self.tree, self.query, self.r2, |block, hits, d2| {
+            waiting.add(self.batches, block, hits, d2);
             true
         });
-        if count > 0 {
-            self.batches.take(&slots, &distances, count);
+        waiting.finish(self.batches);
+    }
+}
+
+/// Points that wait for a batch.
+#[derive(Default)]
+pub(crate) struct Waiting {
+    slots: [u32; WIDTH],
+    d2: Distances,
+    count: usize,
+}
+
+impl Waiting {
+    /// Adds those lanes of a block that are in the bit mask `hits`, if they are accepted.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, batches: &mut impl Batches, block: u32, mut hits: u32, d2: &Distances) {
+        while hits != 0 {
+            let lane = hits.trailing_zeros();
+            hits &= hits - 1;
+            let slot = block * WIDTH as u32 + lane;
+            (self.slots[self.count], self.d2[self.count]) = (slot, d2[lane as usize % WIDTH]);
+            self.count += usize::from(batches.accepts(slot));
+            if self.count == WIDTH {
+                batches.take(&self.slots, &self.d2, WIDTH);
+                self.count = 0;
+            }
+        }
+    }
+
+    /// Passes on the last ones.
+    #[inline(always)]
+    pub(crate) fn finish(&self, batches: &mut impl Batches) {
+        if self.count > 0 {
+            batches.take(&self.slots, &self.d2, self.count);
         }
     }
 }

@@ -3,7 +3,8 @@
 use photon_core::glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::index::PointIndex;
+use crate::index::layout::WIDTH;
+use crate::index::{Batches, PointIndex};
 
 /// Segments per parallel task.
 const CHUNK: usize = 64;
@@ -34,12 +35,13 @@ impl PointIndex {
         // Rounding of the direction, of feet and of distances, each a few units in the last place of the length.
         let reach = f64::from(radius) + 4e-6 * (length + f64::from(radius)) + f64::from(f32::MIN_POSITIVE);
         let squared_radius = f64::from(radius) * f64::from(radius);
-        self.along(ends[0], direction.as_vec3().into(), length as f32, reach as f32, |slot, _, _| {
+        let near = |slot: u32| {
             let squared = squared_distance(ends, self.position(slot));
             if squared <= squared_radius {
                 visit(slot, squared);
             }
-        });
+        };
+        self.batches_along(ends[0], direction.as_vec3().into(), length as f32, reach as f32, &mut Each(near));
     }
 
     /// The number of points that [`Self::near_segment`] visits, for every segment, in parallel.
@@ -54,6 +56,21 @@ impl PointIndex {
                 self.near_segment(ends, radius, |_, _| *count += 1);
             }
         });
+    }
+}
+
+/// Calls a function with each slot.
+struct Each<F>(F);
+
+impl<F: FnMut(u32)> Batches for Each<F> {
+    #[inline(always)]
+    fn accepts(&self, _slot: u32) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn take(&mut self, slots: &[u32; WIDTH], _d2: &[f32; WIDTH], count: usize) {
+        slots[..count].iter().for_each(|&slot| self.0(slot));
     }
 }
 

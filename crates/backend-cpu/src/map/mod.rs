@@ -103,6 +103,11 @@ impl CpuMap {
         self.normals.is(slot, index)
     }
 
+    /// Whether all photons are in the medium with this index, as far as is known.
+    pub(crate) fn has_only_medium(&self, index: u32) -> bool {
+        self.normals.are(index)
+    }
+
     #[inline]
     pub(crate) fn powers(&self) -> &Powers {
         &self.powers

@@ -67,6 +67,11 @@ impl Normals {
         }
     }
 
+    /// Whether there is no other packed normal than this word, as far as is known.
+    pub(crate) fn are(&self, packed: u32) -> bool {
+        matches!(self, Self::Few(known, ..) if known[..] == [packed])
+    }
+
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Few(_, _, which) => which.len(),

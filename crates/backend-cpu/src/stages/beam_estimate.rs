@@ -5,11 +5,13 @@ use std::f32::consts::SQRT_2;
 use photon_core::glam::Vec3;
 use photon_core::phase::Phase;
 use photon_core::{
-    BeamEstimator, BeamParams, ErrorMoments, Estimate, EstimateBuffers, Query, Result, Segment, flight, sampling,
+    BeamEstimator, BeamParams, ErrorMoments, Estimate, EstimateBuffers, Kernel, Medium, Query, Result, Segment,
+    Vectors, flight, sampling,
 };
 use rayon::prelude::*;
 
 use crate::cpu::{Cpu, CpuBuffer};
+use crate::index::{Batches, WIDTH};
 use crate::map::power::Power as _;
 use crate::map::{CpuMap, Powers};
 use crate::scene::CpuScene;
@@ -99,46 +101,121 @@ impl Photons<'_> {
         params: &BeamParams,
         column: impl Fn(f32) -> f32,
     ) -> (Estimate, ErrorMoments) {
-        let Self { map, powers } = *self;
         let segment = Segment::of(query);
-        let Segment { origin, direction, length, .. } = segment;
         let (index, medium) = scene.medium(segment.media);
-        let phase = Phase::of(medium);
         // In dense media photons are closer together than a mean free path, or are noise.
         let radius = (params.radius * query.radius).min(0.5 / medium.extinction().max_element());
-        let squared = radius * radius;
-        let mut estimate = Estimate { radius_squared: squared, ..Estimate::default() };
-        let mut sum = [0.0_f64; 3];
-        let mut power_sums = [0.0_f64; 2];
-        let mut sums = Sums::<[f64; 3]>::default();
         let wide = if MOMENTS { SQRT_2 * radius } else { radius };
-        let (tangent, bitangent) = if MOMENTS { sampling::basis(direction) } else { (Vec3::ZERO, Vec3::ZERO) };
-        map.index().along(origin.into(), direction.into(), length, wide, |slot, t, d2| {
-            let from_origin = Vec3::from(map.index().position(slot)) - origin;
-            if !map.has_medium(slot, index) {
-                return;
+        let mut beam = Beam::<MOMENTS, _> {
+            photons: self,
+            segment,
+            index,
+            is_only: self.map.has_only_medium(index),
+            medium,
+            phase: Phase::of(medium),
+            column,
+            kernel: params.kernel,
+            radius,
+            wide,
+            axes: if MOMENTS { sampling::basis(segment.direction).into() } else { [Vec3::ZERO; 2] },
+            sum: [0.0; 3],
+            power_sums: [0.0; 2],
+            count: 0,
+            sums: Sums::default(),
+        };
+        let (origin, direction) = (segment.origin.into(), segment.direction.into());
+        self.map.index().batches_along(origin, direction, segment.length, wide, &mut beam);
+        let estimate = Estimate {
+            flux: beam.sum.map(|sum| sum as f32),
+            radius_squared: radius * radius,
+            photons: beam.count,
+            power_sums: beam.power_sums.map(|sum| sum as f32),
+            ..Estimate::default()
+        };
+        (estimate, beam.sums.finish(|rgb| rgb))
+    }
+}
+
+/// A segment, and the sums over its photons.
+struct Beam<'a, const MOMENTS: bool, C> {
+    photons: &'a Photons<'a>,
+    segment: Segment,
+    /// Its medium, by index and as it is; and whether all photons are in it.
+    index: u32,
+    is_only: bool,
+    medium: &'a Medium,
+    phase: Phase,
+    /// From a distance along the segment.
+    column: C,
+    kernel: Kernel,
+    radius: f32,
+    /// The radius of the search.
+    wide: f32,
+    /// Unit vectors across the segment, for error moments.
+    axes: [Vec3; 2],
+    sum: [f64; 3],
+    power_sums: [f64; 2],
+    count: u32,
+    sums: Sums<[f64; 3]>,
+}
+
+impl<const MOMENTS: bool, C: Fn(f32) -> f32> Batches for Beam<'_, MOMENTS, C> {
+    #[inline(always)]
+    fn accepts(&self, slot: u32) -> bool {
+        self.is_only || self.photons.map.has_medium(slot, self.index)
+    }
+
+    #[inline(always)]
+    fn take(&mut self, slots: &[u32; WIDTH], d2: &[f32; WIDTH], count: usize) {
+        let Photons { map, powers } = *self.photons;
+        let (mut offsets, mut directions): (Vectors<WIDTH>, Vectors<WIDTH>) = Default::default();
+        for lane in 0..WIDTH {
+            let offset = Vec3::from(map.index().position(slots[lane])) - self.segment.origin;
+            (0..3).for_each(|c| offsets[c][lane] = offset[c]);
+        }
+        for lane in 0..WIDTH {
+            let direction = map.direction(slots[lane]);
+            (0..3).for_each(|c| directions[c][lane] = direction[c]);
+        }
+        let distances = self.segment.distances(&offsets);
+        let mut columns = [0.0; WIDTH];
+        for lane in (0..count).filter(|&lane| !distances[lane].is_nan()) {
+            columns[lane] = (self.column)(distances[lane]);
+        }
+        let transmittances = flight::transmittances(self.medium, &columns);
+        let values = self.phase.values(&directions, self.segment.direction);
+        for lane in 0..count {
+            if distances[lane].is_nan() {
+                continue;
             }
-            let Some(distance) = segment.distance(from_origin) else { return };
-            let transmittance = flight::transmittance(medium, column(distance));
-            let power = powers[slot as usize] * phase.value(map.direction(slot), direction) * transmittance;
-            let u = d2 / squared;
-            if !MOMENTS || (d2 <= squared && (-8.0 * radius..=length + 8.0 * radius).contains(&t)) {
-                power.add(&mut sum, params.kernel.weight(u.min(1.0)));
-                estimate.photons += 1;
-                let mean = f64::from(power.mean());
-                power_sums = [power_sums[0] + mean, power_sums[1] + mean * mean];
+            let transmittance = Vec3::from(transmittances.map(|channel| channel[lane]));
+            let power = powers[slots[lane] as usize] * values[lane] * transmittance;
+            self.add(power, Vec3::from(offsets.map(|axis| axis[lane])), d2[lane]);
+        }
+    }
+}
+
+impl<const MOMENTS: bool, C> Beam<'_, MOMENTS, C> {
+    /// Adds a photon that shows this much of its power, at an offset from the start and a squared distance from the line.
+    #[inline(always)]
+    fn add(&mut self, power: Vec3, offset: Vec3, d2: f32) {
+        let Segment { direction, length, .. } = self.segment;
+        let squared = self.radius * self.radius;
+        let u = d2 / squared;
+        let reach = 8.0 * self.radius;
+        if !MOMENTS || (d2 <= squared && (-reach..=length + reach).contains(&offset.dot(direction))) {
+            power.add(&mut self.sum, self.kernel.weight(u.min(1.0)));
+            self.count += 1;
+            let mean = f64::from(power.mean());
+            self.power_sums = [self.power_sums[0] + mean, self.power_sums[1] + mean * mean];
+        }
+        if MOMENTS {
+            if 2.0 * u <= 1.0 {
+                power.add(&mut self.sums.narrow, self.kernel.weight(2.0 * u));
             }
-            if MOMENTS {
-                let offset = from_origin / wide;
-                if 2.0 * u <= 1.0 {
-                    power.add(&mut sums.narrow, params.kernel.weight(2.0 * u));
-                }
-                power.add(&mut sums.wide, params.kernel.weight((0.5 * u).min(1.0)));
-                sums.add(f64::from(power.mean()), [offset.dot(tangent), offset.dot(bitangent)]);
-            }
-        });
-        estimate.flux = sum.map(|sum| sum as f32);
-        estimate.power_sums = power_sums.map(|sum| sum as f32);
-        (estimate, sums.finish(|rgb| rgb))
+            power.add(&mut self.sums.wide, self.kernel.weight((0.5 * u).min(1.0)));
+            let offset = offset / self.wide;
+            self.sums.add(f64::from(power.mean()), self.axes.map(|axis| offset.dot(axis)));
+        }
     }
 }

@@ -5,22 +5,22 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use photon_core::glam::Vec3;
 use photon_core::light_sampler::light_of_triangle;
 use photon_core::memory;
-use photon_core::random::{BLOCK_START, BLOCK_SURFACES, Domain, Sampler, evenly_spread, unit_f32};
+use photon_core::random::{BLOCK_LIGHT_SIDES, BLOCK_START, BLOCK_SURFACES, Domain, Sampler, evenly_spread, unit_f32};
 use photon_core::{
-    Camera, EyeBuffers, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack,
+    EyeBuffers, EyeTracer, Features, FilmPixel, Hit, Layer, Layers, Light, Lobe, Material, MediumStack,
     NEGLIGIBLE_THROUGHPUT, Pass, QUERIES_PER_PIXEL, Query, RandomKind, Ray, Result, Scattering, SkipLimit,
     SurfaceInteraction, Vertex, View, Wavelength, anisotropy, gloss_caustics, most_total_reflections, octahedral,
-    sampling, shading_normal, shadow_terminator,
+    russian_roulette, sampling, shading_normal, shadow_terminator,
 };
 use rayon::prelude::*;
 
 use crate::cpu::Cpu;
 use crate::film::{CpuFilm, deposit};
 use crate::scene::CpuScene;
-use crate::stages::eye_batch;
 use crate::stages::eye_glossy::{GlossyPoint, Leaves, Reflection};
 use crate::stages::eye_rough_glass::RoughPoint;
 use crate::stages::eye_segments::{self, End};
+use crate::stages::{camera_ray, eye_batch};
 
 /// Traces camera paths through mirrors and glass.
 ///
@@ -31,8 +31,8 @@ pub(crate) struct CpuEye {
     pub(crate) max_bounces: u32,
     /// Whether camera rays that hit nothing do not see the environment.
     pub(crate) hides_background: bool,
-    /// The queries that paths leave.
-    pub(crate) leaves: EyeQueries,
+    /// Whether paths leave queries for reflections, instead of all else: [`photon_core::GlossCaustics`].
+    pub(crate) reflections: bool,
     /// [`photon_core::segments_per_pixel`].
     pub(crate) most_segments: u32,
     /// [`photon_core::Requirements::terminator_offset`].
@@ -43,19 +43,11 @@ pub(crate) struct CpuEye {
     pub(crate) truncated: u64,
 }
 
-/// Queries that camera paths leave. Only for visible points do they add to the film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum EyeQueries {
-    /// At the ends of paths.
-    VisiblePoints,
-    /// For the reflection of glossy surfaces: [`photon_core::GlossCaustics`].
-    Reflections,
-}
-
-/// [`EyeQueries`] as a parameter of kernels.
+/// Parameters of kernels. Paths leave queries at visible points.
 pub(crate) const POINTS: u8 = 0;
+/// For the reflection of glossy surfaces, and add nothing to the film.
 pub(crate) const REFLECTIONS: u8 = 1;
-/// Visible points, and segments in media that scatter light.
+/// At visible points, and segments in media that scatter light.
 const POINTS_AND_SEGMENTS: u8 = 2;
 
 /// Label of the memory for the queries of a row.
@@ -71,41 +63,32 @@ impl EyeTracer<Cpu> for CpuEye {
         view: &View,
         pass: Pass,
         film: &mut CpuFilm,
-        EyeBuffers { queries, segments }: EyeBuffers<'_, Cpu>,
+        EyeBuffers { queries, mut segments }: EyeBuffers<'_, Cpu>,
     ) -> Result<()> {
         let max_splits = if scene.features.splits_camera_paths() { SPLITS } else { 0 };
-        let Self { max_bounces, hides_background, leaves, most_segments, terminator_offset, caustic_roughness, .. } =
-            *self;
-        let caustic_roughness = caustic_roughness.filter(|&least| least <= scene.roughest_caustic);
+        let reflections = self.reflections;
         let eye = Eye {
             scene,
             view,
             pass,
-            max_bounces,
-            hides_background,
+            max_bounces: self.max_bounces,
+            hides_background: self.hides_background,
             max_splits,
-            terminator_offset,
-            caustic_roughness,
-            most_segments,
+            terminator_offset: self.terminator_offset,
+            caustic_roughness: self.caustic_roughness.filter(|&least| least <= scene.roughest_caustic),
+            most_segments: self.most_segments,
             truncated: AtomicU64::new(0),
         };
-        let reflections = leaves == EyeQueries::Reflections;
         let has_lens = view.camera.features().contains(Features::THIN_LENS);
         let is_shaded = scene.features.intersects(Features::SHADED) || scene.disperses;
         let look = match (is_shaded, scene.present.intersects(Features::RANDOM_SURFACES), has_lens) {
-            (_, _, true) if segments.is_some() => Eye::look::<true, true, true, POINTS_AND_SEGMENTS>,
-            (_, _, false) if segments.is_some() => Eye::look::<true, true, false, POINTS_AND_SEGMENTS>,
             (_, _, true) if reflections => Eye::look::<true, true, true, REFLECTIONS>,
             (_, _, false) if reflections => Eye::look::<true, true, false, REFLECTIONS>,
-            (_, true, true) => Eye::look::<true, true, true, POINTS>,
-            (_, true, false) => Eye::look::<true, true, false, POINTS>,
-            (true, false, true) => Eye::look::<true, false, true, POINTS>,
-            (true, false, false) => Eye::look::<true, false, false, POINTS>,
-            (false, false, true) => Eye::look::<false, false, true, POINTS>,
-            (false, false, false) => Eye::look::<false, false, false, POINTS>,
+            kind if segments.is_some() => Eye::look_of_kind::<POINTS_AND_SEGMENTS>(kind),
+            kind => Eye::look_of_kind::<POINTS>(kind),
         };
         let in_batches = scene.traces_batches();
-        let mut rows = memory::with_capacity(view.height as usize, QUERIES)?;
+        let mut rows: Vec<Result<Found>> = memory::with_capacity(view.height as usize, QUERIES)?;
         on.pool.install(|| {
             let all = film.pending.par_chunks_mut(view.width as usize).with_max_len(1).enumerate();
             let traced = all.map(|(row, pixels)| {
@@ -128,12 +111,12 @@ impl EyeTracer<Cpu> for CpuEye {
         });
         // Further samples of a pass go on counting.
         self.truncated = eye.truncated.into_inner() + if pass.sample == 0 { 0 } else { self.truncated };
-        let rows = rows.into_iter().collect::<Result<Vec<Found>>>()?;
         queries.clear();
-        rows.iter().for_each(|row| queries.append(&row.queries));
-        if let Some(segments) = segments {
-            segments.clear();
-            rows.iter().for_each(|row| segments.append(&row.segments));
+        segments.iter_mut().for_each(|segments| segments.clear());
+        for row in rows {
+            let row = row?;
+            queries.append(&row.queries);
+            segments.iter_mut().for_each(|segments| segments.append(&row.segments));
         }
         scene.check_caster()
     }
@@ -185,9 +168,24 @@ pub(crate) struct Path {
     pub(crate) reflected: Reflection,
 }
 
-impl Eye<'_> {
+/// [`Eye::look`] with its parameters.
+type Look<'a> = fn(&Eye<'a>, u32, u32, &mut FilmPixel, &mut Found);
+
+impl<'a> Eye<'a> {
+    /// [`Self::look`] for scenes with shading, alpha, and a lens or not.
+    fn look_of_kind<const QUERIES: u8>(kind: (bool, bool, bool)) -> Look<'a> {
+        match kind {
+            (_, true, true) => Self::look::<true, true, true, QUERIES>,
+            (_, true, false) => Self::look::<true, true, false, QUERIES>,
+            (true, false, true) => Self::look::<true, false, true, QUERIES>,
+            (true, false, false) => Self::look::<true, false, false, QUERIES>,
+            (false, false, true) => Self::look::<false, false, true, QUERIES>,
+            (false, false, false) => Self::look::<false, false, false, QUERIES>,
+        }
+    }
+
     /// Traces the paths of a pixel. `SHADED`: surfaces have textures or shading normals; `ALPHA`: alpha; `LENS`: the
-    /// camera has a lens; `QUERIES`: [`EyeQueries`].
+    /// camera has a lens; `QUERIES`: what paths leave.
     fn look<const SHADED: bool, const ALPHA: bool, const LENS: bool, const QUERIES: u8>(
         &self,
         x: u32,
@@ -217,13 +215,21 @@ impl Eye<'_> {
         }
     }
 
-    /// Whether a path that is to go on has met as many surfaces as it may, or is trapped; it is counted if light is missing.
-    pub(super) fn truncates(&self, path: &Path) -> bool {
-        let truncates = path.surfaces >= self.max_bounces || path.total > most_total_reflections(self.max_bounces);
-        if truncates && path.throughput.max_element() >= NEGLIGIBLE_THROUGHPUT {
-            self.truncated.fetch_add(1, Ordering::Relaxed);
+    /// Whether a path that is to go on ends: it has met as many surfaces as it may, or is trapped, which is counted if light is
+    /// missing; or by Russian roulette, since it is dark.
+    pub(super) fn ends(&self, path: &mut Path, sampler: &impl Fn(u32) -> Sampler) -> bool {
+        let is_dark = path.throughput.max_element() < NEGLIGIBLE_THROUGHPUT;
+        if path.surfaces >= self.max_bounces || path.total > most_total_reflections(self.max_bounces) {
+            self.truncated.fetch_add(u64::from(!is_dark), Ordering::Relaxed);
+            return true;
         }
-        truncates
+        if !is_dark {
+            return false;
+        }
+        let [_, word, ..] = sampler(path.branch).words(BLOCK_LIGHT_SIDES + path.surfaces);
+        let factor = russian_roulette(path.throughput, word);
+        path.throughput *= factor.unwrap_or(0.0);
+        factor.is_none()
     }
 
     /// The random numbers of a path of pixel `number`.
@@ -241,7 +247,11 @@ impl Eye<'_> {
         let camera = &self.view.camera;
         let across = 2.0 * (x as f32 + unit_f32(a)) / self.view.width as f32 - 1.0;
         let down = 2.0 * (y as f32 + unit_f32(b)) / self.view.height as f32 - 1.0;
-        let ray = if LENS { lens_ray(camera, across, -down, [c, d]) } else { camera_ray(camera, across, -down) };
+        let ray = if LENS {
+            camera_ray::through_lens(camera, across, -down, [c, d])
+        } else {
+            camera_ray::through_pinhole(camera, across, -down)
+        };
         Path {
             ray,
             throughput: Vec3::ONE,
@@ -268,6 +278,11 @@ impl Eye<'_> {
         sampler: &impl Fn(u32) -> Sampler,
     ) -> Option<Option<Path>> {
         let has_points = QUERIES != REFLECTIONS;
+        // Transmittance up to the end.
+        let mut passed = |path: &Path, media: MediumStack, end: End| match QUERIES {
+            POINTS_AND_SEGMENTS => eye_segments::leave(self, path, media, end, number, segments),
+            _ => self.scene.attenuation(&path.ray, end.distance, media),
+        };
         let layer = || sampler(path.branch).words(BLOCK_SURFACES + path.surfaces)[3];
         let found = match known {
             Some(hit) => hit.map(|hit| (self.scene.interaction(&path.ray, &hit), hit)),
@@ -280,13 +295,11 @@ impl Eye<'_> {
             },
         };
         let Some((mut surface, hit)) = found else {
-            if QUERIES == POINTS_AND_SEGMENTS {
-                let end = End { distance: f32::INFINITY, normal: path.ray.direction };
-                eye_segments::leave(self, path, path.media, end, number, segments);
-            }
+            let end = End { distance: f32::INFINITY, normal: path.ray.direction };
+            let passed = passed(path, path.media, end);
             let is_hidden = self.hides_background && path.surfaces == 0;
-            if has_points && self.scene.boundaries.is_some() {
-                path.throughput *= self.scene.attenuation(&path.ray, f32::INFINITY, path.media);
+            if self.scene.boundaries.is_some() {
+                path.throughput *= passed;
             }
             if let Some(environment) = self.scene.environment.as_ref().filter(|_| !is_hidden && has_points) {
                 let camera = MediumStack::from_bits(self.view.camera.media);
@@ -331,12 +344,11 @@ impl Eye<'_> {
             }
         }
         let mut interface = self.scene.interface(&surface, path.media);
+        let end = End { distance: surface.t, normal: -surface.normal };
+        path.throughput *= passed(path, interface.before, end);
         if QUERIES == POINTS_AND_SEGMENTS {
-            let end = End { distance: surface.t, normal: -surface.normal };
-            eye_segments::leave(self, path, interface.before, end, number, segments);
             path.start = surface.normal;
         }
-        path.throughput *= self.scene.attenuation(&path.ray, surface.t, interface.before);
         if SHADED && self.scene.disperses {
             let word = || sampler(path.branch).wavelength(0);
             self.scene.disperse(&mut interface, &mut path.wavelength, &mut path.throughput, word);
@@ -446,7 +458,7 @@ impl Eye<'_> {
         }
         path.surfaces += 1;
         path.total += u32::from(bsdf.is_total());
-        if self.truncates(path) {
+        if self.ends(path, sampler) {
             return None;
         }
         let go_on = |lobe: Lobe| {
@@ -485,27 +497,4 @@ impl Eye<'_> {
         *path = go_on(lobe);
         Some(None)
     }
-}
-
-/// The ray through a point of the image; both coordinates are in `[-1, 1]`.
-fn camera_ray(camera: &Camera, x: f32, y: f32) -> Ray {
-    let offset = Vec3::from(camera.right) * x + Vec3::from(camera.up) * y;
-    let (origin, forward) = (Vec3::from(camera.origin), Vec3::from(camera.forward));
-    let (origin, direction) = if camera.kind == Camera::ORTHOGRAPHIC {
-        (origin + offset, forward)
-    } else {
-        (origin, (forward + offset).normalize_or(forward))
-    };
-    Ray { origin, direction, t_max: f32::INFINITY }
-}
-
-/// The ray through a point of the image and a uniformly distributed point of the lens: all rays through a point of the
-/// image meet in the plane that is in focus.
-fn lens_ray(camera: &Camera, x: f32, y: f32, words: [u32; 2]) -> Ray {
-    let (right, up) = (Vec3::from(camera.right), Vec3::from(camera.up));
-    let (u, v) = sampling::disc(unit_f32(words[0]), unit_f32(words[1]));
-    let lens = (right.normalize_or_zero() * u + up.normalize_or_zero() * v) * camera.lens_radius;
-    let (origin, forward) = (Vec3::from(camera.origin), Vec3::from(camera.forward));
-    let towards = forward + (right * x + up * y) - lens / camera.focus_distance;
-    Ray { origin: origin + lens, direction: towards.normalize_or(forward), t_max: f32::INFINITY }
 }

@@ -12,8 +12,8 @@ struct Pixel {
     waiting: Vec<Path>,
 }
 
-/// Traces the paths of a row, in a scene without alpha or media that scatter light. Each pixel meets its surfaces in the same order as without
-/// batches.
+/// Traces the paths of a row, in a scene without alpha or media that scatter light. Each pixel meets its surfaces in the same
+/// order as without batches.
 pub(super) fn trace_row(
     eye: &Eye<'_>,
     row: u32,

@@ -247,7 +247,7 @@ impl Eye<'_> {
                 queries.push(query);
             }
         }
-        if !reflects || self.truncates(path) {
+        if !reflects || self.ends(path, sampler) {
             return None;
         }
         let (direction, reflected) = glossy.sample(-path.ray.direction, at.normal, unit_f32(u), unit_f32(v));

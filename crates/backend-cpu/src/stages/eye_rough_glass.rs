@@ -65,7 +65,7 @@ impl Eye<'_> {
     /// Continues the path by reflection or transmission. Returns whether it goes on.
     pub(crate) fn scatter(&self, path: &mut Path, at: &RoughPoint<'_>, sampler: &impl Fn(u32) -> Sampler) -> bool {
         path.surfaces += 1;
-        if self.truncates(path) {
+        if self.ends(path, sampler) {
             return false;
         }
         let [choice, u, v, _] = sampler(path.branch).words(BLOCK_SURFACES + path.surfaces);

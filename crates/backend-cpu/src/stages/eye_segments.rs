@@ -16,16 +16,25 @@ pub(super) struct End {
     pub(super) normal: Vec3,
 }
 
-/// Leaves the segments of a path in `media` up to its end: one for each stretch in which light is scattered.
+/// Leaves the segments of a path in `media` up to its end: one for each stretch in which light is scattered. Returns the
+/// transmittance of all of it.
 #[inline]
-pub(super) fn leave(eye: &Eye<'_>, path: &Path, media: MediumStack, end: End, pixel: u32, segments: &mut Vec<Query>) {
+pub(super) fn leave(
+    eye: &Eye<'_>,
+    path: &Path,
+    media: MediumStack,
+    end: End,
+    pixel: u32,
+    segments: &mut Vec<Query>,
+) -> Vec3 {
     let (scene, direction) = (eye.scene, path.ray.direction);
     let start = if path.start.dot(direction) < 0.0 { -path.start } else { path.start };
     let camera = MediumStack::from_bits(eye.view.camera.media);
     let solid = scene.solid(media);
-    let mut throughput = path.throughput * scene.radiance_scale(camera, media, path.wavelength);
+    let seen = path.throughput * scene.radiance_scale(camera, media, path.wavelength);
+    let mut passed = Vec3::ONE;
     for stretch in scene.stretches(&path.ray, end.distance, media) {
-        let length = stretch.to - stretch.from;
+        let (length, throughput) = (stretch.to - stretch.from, seen * passed);
         if scene.medium_at(stretch.medium).scatters() && length > 0.0 && throughput != Vec3::ZERO {
             let origin = path.ray.origin + direction * stretch.from;
             let planes = [stretch.planes[0].unwrap_or(start), stretch.planes[1].unwrap_or(end.normal)];
@@ -34,8 +43,9 @@ pub(super) fn leave(eye: &Eye<'_>, path: &Path, media: MediumStack, end: End, pi
             let media = if stretch.medium == solid { media } else { media.enter(stretch.medium) };
             segments.push(Segment { origin, direction, length, planes, media, throughput }.query(pixel, 0));
         }
-        throughput *= scene.stretch_transmittance(&path.ray, &stretch);
+        passed *= scene.stretch_transmittance(&path.ray, &stretch);
     }
+    passed
 }
 
 /// Leaves at most [`Eye::most_segments`] of the segments of a pixel, those from `first` on: of the last and all that come

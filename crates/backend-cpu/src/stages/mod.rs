@@ -2,6 +2,7 @@
 
 pub(crate) mod area;
 pub(crate) mod beam_estimate;
+mod camera_ray;
 pub(crate) mod clear_disc;
 pub(crate) mod direct;
 pub(crate) mod emit;

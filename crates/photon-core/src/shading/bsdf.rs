@@ -22,8 +22,24 @@ pub const fn most_total_reflections(max_bounces: u32) -> u32 {
     if part > 64 { part } else { 64 }
 }
 
-/// Throughput below which the light beyond the end of a camera path is not missed: [`crate::EyeTracer::truncated`].
+/// Throughput below which Russian roulette may end a camera path, and the light beyond its end is not missed:
+/// [`crate::EyeTracer::truncated`].
 pub const NEGLIGIBLE_THROUGHPUT: f32 = 1e-6;
+
+/// Russian roulette for a camera path of this throughput, by a random word: the factor on the throughput, or `None` if the path
+/// ends. Paths that go on have about [`NEGLIGIBLE_THROUGHPUT`] in their brightest channel, or what they had if that is more.
+#[inline]
+#[must_use]
+pub fn russian_roulette(throughput: Vec3, word: u32) -> Option<f32> {
+    const ALL: f32 = 4_294_967_296.0;
+    let chance = throughput.max_element() / NEGLIGIBLE_THROUGHPUT;
+    if chance >= 1.0 {
+        return Some(1.0);
+    }
+    // The number of words with which it goes on, of which the factor is the exact inverse.
+    let words = (chance * ALL) as u32;
+    (word < words).then(|| ALL / words as f32)
+}
 
 /// A component of a [`Bsdf`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -175,6 +191,30 @@ impl Bsdf {
 mod tests {
     use super::*;
     use crate::scene::media::MediumStack;
+
+    /// Paths that go on stand for all, however few they are; the darkest end, whatever the word.
+    #[test]
+    fn roulette_keeps_the_mean() {
+        for throughput in [2e-6, 1e-6, 9e-7, 3e-9, 1e-12, 1e-15] {
+            let of =
+                |word: u64| u32::try_from(word).ok().and_then(|word| russian_roulette(Vec3::splat(throughput), word));
+            // The first word with which the path ends.
+            let (mut low, mut high) = (0_u64, 1_u64 << 32);
+            while low < high {
+                let middle = u64::midpoint(low, high);
+                if of(middle).is_some() { low = middle + 1 } else { high = middle }
+            }
+            let factor = f64::from(of(0).unwrap());
+            assert!(
+                (factor * low as f64 * 0.5_f64.powi(32) - 1.0).abs() < 1e-7,
+                "{throughput}: {factor} with {low} words"
+            );
+            assert!(throughput * factor as f32 >= 0.999 * NEGLIGIBLE_THROUGHPUT);
+        }
+        for throughput in [0.0, f32::from_bits(1), 1e-37] {
+            assert_eq!(russian_roulette(Vec3::splat(throughput), 0), None, "{throughput}");
+        }
+    }
 
     /// White furnace: with an albedo of 1, the sum over the lobes of probability times weight is 1.
     #[test]

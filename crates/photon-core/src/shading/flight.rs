@@ -9,6 +9,7 @@ use glam::Vec3;
 
 use crate::scene::medium::Medium;
 use crate::shading::math;
+use crate::shading::reflection_lobe::Vectors;
 
 /// Distance at which a flight that meets nothing ends, normalised: 64 times the radius of the unit box. Less than 2.3·10⁻⁵
 /// of the light would return from beyond: the largest value of σR²e^(−σX)/4X for all coefficients σ.
@@ -145,6 +146,24 @@ pub fn transmittance(medium: &Medium, distance: f32) -> Vec3 {
     Vec3::new(math::exp_neg(depth.x), math::exp_neg(depth.y), math::exp_neg(depth.z))
 }
 
+/// [`transmittance`] over several distances, for each channel; the loops become vector instructions.
+#[inline(always)]
+#[must_use]
+pub fn transmittances<const N: usize>(medium: &Medium, distances: &[f32; N]) -> Vectors<N> {
+    let [red, green, blue] = medium.extinction().to_array();
+    let mut all = [[0.0; N]; 3];
+    for (channel, extinction) in [red, green, blue].into_iter().enumerate() {
+        if channel > 0 && extinction == red {
+            all[channel] = all[0];
+            continue;
+        }
+        for lane in 0..N {
+            all[channel][lane] = math::exp_neg(extinction * distances[lane]);
+        }
+    }
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,6 +183,21 @@ mod tests {
     fn numbers() -> impl FnMut() -> [f32; 2] {
         let mut numbers = SplitMix64(3);
         move || [0; 2].map(|_: i32| unit_f32(numbers.word() as u32))
+    }
+
+    #[test]
+    fn several_transmittances_are_those_of_each() {
+        let distances = [0.0, 1e-3, 0.3, 2.0, 40.0, FAR, f32::NAN, 1e9];
+        for medium in media() {
+            let all = transmittances(&medium, &distances);
+            for (lane, &distance) in distances.iter().enumerate() {
+                assert_eq!(
+                    Vec3::from(all.map(|channel| channel[lane])),
+                    transmittance(&medium, distance),
+                    "{distance}"
+                );
+            }
+        }
     }
 
     /// Means of each channel: e^(−σs) passes a stretch, and σ_s/σ of the rest is scattered; their sum is kept but for

@@ -11,6 +11,7 @@ use glam::Vec3;
 
 use crate::scene::medium::Medium;
 use crate::shading::math::cube_root;
+use crate::shading::reflection_lobe::{Vectors, vector};
 use crate::shading::sampling;
 pub use mie::Mie;
 
@@ -63,6 +64,19 @@ impl Phase {
         }
     }
 
+    /// [`Self::value`] from several directions; the loops become vector instructions.
+    #[inline(always)]
+    #[must_use]
+    pub fn values<const N: usize>(self, from: &Vectors<N>, to: Vec3) -> [f32; N] {
+        match self {
+            Self::HenyeyGreenstein(0.0) => [self.value(to, to); N],
+            // Each in a loop of its own.
+            Self::HenyeyGreenstein(g) => each(from, |from| Self::HenyeyGreenstein(g).value(from, to)),
+            Self::Rayleigh => each(from, |from| Self::Rayleigh.value(from, to)),
+            Self::Mie(mie) => each(from, |from| Self::Mie(mie).value(from, to)),
+        }
+    }
+
     /// A direction of travel with the density [`Self::value`] after travel along `from`.
     #[inline]
     #[must_use]
@@ -75,6 +89,15 @@ impl Phase {
             Self::Mie(mie) => sampling::about(from, mie.versine(u).min(2.0), v),
         }
     }
+}
+
+#[inline(always)]
+fn each<const N: usize>(from: &Vectors<N>, value: impl Fn(Vec3) -> f32) -> [f32; N] {
+    let mut values = [0.0; N];
+    for lane in 0..N {
+        values[lane] = value(vector(from, lane));
+    }
+    values
 }
 
 /// Axis of the lobe: backwards for a negative mean cosine.

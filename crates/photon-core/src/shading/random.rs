@@ -23,7 +23,7 @@
 //! | camera path | 1 | x in the pixel · y in the pixel (both of sample 0) · point on the lens, u · point on the lens, v |
 //! | camera path | 2 + n, after n surfaces | choice of the lobe · direction, u · direction, v · alpha of the next |
 //! | camera path | [`BLOCK_LIGHTS`] + n, surface n from 1 | light · point, u · point, v · light (low), alpha |
-//! | camera path | [`BLOCK_LIGHT_SIDES`] + n, surface n from 1 | side of rough glass · – · – · – |
+//! | camera path | [`BLOCK_LIGHT_SIDES`] + n, surface n from 1 | side of rough glass · Russian roulette · – · – |
 //! | shadow rays | ray r of the query | light · point or direction, u · the same, v (both of ray 0) · light (low), alpha |
 //! | final gathering | r · (max bounces + 1), ray r | direction, u · direction, v (of ray 0) · – · – |
 //! | final gathering | r · (max bounces + 1) + n, surface n from 1 | choice of the lobe · direction, u · direction, v · alpha |
@@ -221,8 +221,8 @@ pub const BLOCK_SURFACES: u32 = 2;
 /// Block of dimensions for the light that is sampled at the first surface of a camera path; those of the next surfaces
 /// follow.
 pub const BLOCK_LIGHTS: u32 = 1 << 30;
-/// Block of dimensions for the side of the first surface of a camera path, if rough glass, on which a light is sampled;
-/// those of the next surfaces follow.
+/// Block of dimensions of the first surface of a camera path for the side on which a light is sampled, if it is rough glass, and
+/// for Russian roulette; those of the next surfaces follow.
 pub const BLOCK_LIGHT_SIDES: u32 = 3 << 29;
 /// First block of choices among the segments of a pixel, and of the alpha of shadow rays from segments.
 pub const BLOCK_SEGMENTS: u32 = 1 << 29;

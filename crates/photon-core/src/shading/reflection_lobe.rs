@@ -21,6 +21,7 @@ use crate::shading::sheen_lobe::Charlie;
 use crate::shading::{clearcoat, ggx, sampling, shading_normal, sheen};
 
 pub use several::Vectors;
+pub(crate) use several::vector;
 
 /// The reflection of a glossy surface towards one direction.
 #[derive(Clone, Copy, Debug)]

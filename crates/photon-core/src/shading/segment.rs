@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::scene::layout::Query;
 use crate::scene::media::MediumStack;
 use crate::shading::octahedral;
+use crate::shading::reflection_lobe::{Vectors, vector};
 
 /// A straight part of a camera path in one medium, seen from its start: light that is scattered along it is added to a pixel.
 /// It is stored as a [`Query`].
@@ -73,6 +74,17 @@ impl Segment {
         let behind = -(from_origin - self.direction * self.length).dot(end) * along(start);
         (before >= 0.0 && behind >= 0.0).then(|| self.length * (before / (before + behind).max(f32::MIN_POSITIVE)))
     }
+
+    /// [`Self::distance`] for several points, NaN for those that do not count; the loop becomes vector instructions.
+    #[inline(always)]
+    #[must_use]
+    pub fn distances<const N: usize>(&self, from_origin: &Vectors<N>) -> [f32; N] {
+        let mut distances = [0.0; N];
+        for lane in 0..N {
+            distances[lane] = self.distance(vector(from_origin, lane)).unwrap_or(f32::NAN);
+        }
+        distances
+    }
 }
 
 #[cfg(test)]
@@ -95,6 +107,20 @@ mod tests {
         // The oblique end cuts off what is behind it on one side, and adds as much on the other.
         let at = |x: f32, z: f32| segment.distance(Vec3::new(x, 0.0, z)).is_some();
         assert!(at(0.0, 0.69) && !at(0.0, 0.71) && at(-0.1, 0.77) && !at(0.1, 0.63) && !at(0.0, -0.01));
+    }
+
+    #[test]
+    fn several_distances_are_those_of_each() {
+        let planes = [Vec3::new(0.6, 0.0, 0.8), Vec3::Z];
+        let media = MediumStack::in_medium(1);
+        let [origin, direction, throughput] = [Vec3::ZERO, Vec3::Z, Vec3::ONE];
+        let segment = Segment { origin, direction, length: 0.7, planes, media, throughput };
+        let points = [[0.1, 0.2, 0.3], [-0.4, 0.0, 0.1], [0.3, 0.1, 0.8], [0.0, 0.0, 0.7]];
+        let found = segment.distances(&[0, 1, 2].map(|c| points.map(|point| point[c])));
+        for (found, point) in found.into_iter().zip(points) {
+            assert_eq!((!found.is_nan()).then_some(found), segment.distance(point.into()), "{point:?}");
+        }
+        assert!(found[0] > 0.0 && found[1].is_nan() && found[2].is_nan());
     }
 
     /// The start is turned by 45 degrees, so that lines beside the segment begin earlier or later by their distance from it.

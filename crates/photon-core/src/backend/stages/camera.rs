@@ -11,8 +11,8 @@ use crate::scene::layout::Query;
 pub struct EyeBuffers<'a, B: Backend> {
     /// Visible points.
     pub queries: &'a mut B::Buffer<Query>,
-    /// [`crate::Segment`]s in media that scatter light, at most [`crate::Pipeline`]'s number for each pixel; `None` if they are
-    /// not required.
+    /// [`crate::Segment`]s in media that scatter light, at most [`crate::segments_per_pixel`] for each pixel; `None` unless
+    /// they are required.
     pub segments: Option<&'a mut B::Buffer<Query>>,
 }
 

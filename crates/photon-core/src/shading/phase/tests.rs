@@ -62,6 +62,15 @@ fn densities_integrate_to_one() {
     assert!((square - 0.4).abs() < 1e-9, "{square}");
 }
 
+#[test]
+fn several_values_are_those_of_each() {
+    let from = [Vec3::X, Vec3::Y, Vec3::new(0.6, 0.0, -0.8), Vec3::NEG_Y].map(|v| v.to_array());
+    for phase in all() {
+        let values = phase.values(&[0, 1, 2].map(|c| from.map(|v| v[c])), Vec3::Y);
+        assert_eq!(values, from.map(|from| phase.value(from.into(), Vec3::Y)), "{phase:?}");
+    }
+}
+
 /// Largest deviation of sampled directions from the density, in standard errors: of ⟨cos⟩, ⟨cos²⟩, and of the shares beyond
 /// several angles.
 fn deviation(phase: Phase, sampled: Phase) -> f64 {

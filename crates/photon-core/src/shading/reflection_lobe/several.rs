@@ -10,7 +10,7 @@ use crate::shading::{ggx, shading_normal};
 pub type Vectors<const N: usize> = [[f32; N]; 3];
 
 #[inline(always)]
-fn vector<const N: usize>(of: &Vectors<N>, lane: usize) -> Vec3 {
+pub(crate) fn vector<const N: usize>(of: &Vectors<N>, lane: usize) -> Vec3 {
     Vec3::new(of[0][lane], of[1][lane], of[2][lane])
 }
 

@@ -24,6 +24,7 @@ layout(constant_id = 3) const uint MEDIA = 4;
 #include "shading/scene.glsl"
 #include "shading/segment.glsl"
 #include "shading/shade.glsl"
+#include "shading/spot_part.glsl"
 #include "shading/stretches.glsl"
 #include "shading/two_float.glsl"
 #include "shading/light_sample.glsl"
@@ -95,6 +96,8 @@ bool sample_evenly(uint index, Light light, uvec2 point, out Target target) {
     return true;
 }
 
+const bool SPOT_LIGHTS = (FEATURES & FEATURE_SPOT_LIGHTS) != 0u;
+
 // Whether the medium of the segment has a grid of densities, and then its columns.
 bool sees_grid;
 Columns columns;
@@ -105,7 +108,19 @@ vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alp
     Light light = push.scene.lights[index].at;
     Medium medium = media_medium(push.scene, segment.media);
     precise float mean = flight_total(medium_extinction(medium)) / 3.0;
-    float whole = sees_grid ? columns_total() : segment.far;
+    // Places in the cone of a spot light alone, from `first` to `last`.
+    float first = 0.0, last = segment.far;
+    float before = 0.0, behind = sees_grid ? columns_total() : segment.far;
+    if (SPOT_LIGHTS && light.kind == LIGHT_SPOT) {
+        vec3 origin = segment.origin, direction = segment.direction;
+        if (!spot_part(origin, direction, last, light.position, light.direction, light.versine_outer, first, last)) {
+            return vec3(0.0);
+        }
+        if (first > 0.0) before = sees_grid ? columns_to(columns, first) : first;
+        if (last < segment.far) behind = sees_grid ? columns_to(columns, last) : last;
+    }
+    precise float whole = behind - before;
+    if (!(whole > 0.0)) return vec3(0.0);
     Target target;
     bool is_near = sample_evenly(index, light, point, target);
     Equiangular angles;
@@ -113,25 +128,31 @@ vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alp
     // from infinity.
     bool by_angle = is_near && choice < 0.5;
     if (is_near) {
-        angles = equiangular_new(segment.origin, segment.direction, segment.far, target.to);
+        precise vec3 start = segment.origin + segment.direction * first;
+        precise float part = last - first;
+        angles = equiangular_new(start, segment.direction, part, target.to);
         choice = by_angle ? 2.0 * choice : 2.0 * choice - 1.0;
     }
     float far = 0.0;
     if (by_angle) {
-        far = min(equiangular_sample(angles, choice), segment.far);
+        precise float sampled = first + equiangular_sample(angles, choice);
+        far = min(sampled, last);
     } else {
-        far = exponential_sample(mean, whole, choice);
+        precise float sampled = before + exponential_sample(mean, whole, choice);
+        far = sampled;
         if (sees_grid) far = columns_place(columns, far);
     }
     float column = sees_grid ? columns_to(columns, far) : far;
     float local = sees_grid ? columns_density(columns, far) : 1.0;
     if (!(local > 0.0)) return vec3(0.0);
-    float density = exponential_density(mean, whole, column);
+    precise float passed = column - before;
+    float density = exponential_density(mean, whole, max(passed, 0.0));
     precise vec3 from = segment.origin + segment.direction * far;
     Ray ray;
     vec3 arrives;
     if (is_near) {
-        density = 0.5 * (equiangular_density(angles, far) + local * density);
+        precise float along = far - first;
+        density = 0.5 * (equiangular_density(angles, along) + local * density);
         if ((light.flags & LIGHT_BOTH_SIDES) != 0 && dot3(target.front, from - target.to) < 0.0) target.front = -target.front;
         if (light.kind == LIGHT_TRIANGLE) target.to = off_surface(target.to, target.front);
         precise vec3 gap = target.to - from;

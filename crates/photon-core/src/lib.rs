@@ -108,6 +108,6 @@ pub use shading::spectrum::{Spectrum, SpectrumCell, Wavelength};
 pub use shading::{
     alpha, anisotropy, area, clearcoat, cosine_warp, equiangular, flight, fresnel, ggx, gloss_caustics, glossy,
     light_sampler, light_tree, math, octahedral, offset, partial_transmission, phase, photon_sample, portals, random,
-    rough_glass, sampling, segment, shade, shading_normal, shadow_terminator, sheen, solid_angle, texture,
+    rough_glass, sampling, segment, shade, shading_normal, shadow_terminator, sheen, solid_angle, spot_part, texture,
 };
 pub use shown::shown;

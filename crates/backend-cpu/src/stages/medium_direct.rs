@@ -7,7 +7,7 @@ use photon_core::light_sampler::LightSampler;
 use photon_core::phase::Phase;
 use photon_core::random::{BLOCK_SEGMENTS, Domain, Sampler, evenly_spread, unit_f32};
 use photon_core::{
-    Columns, DirectLight, Features, Layer, Light, Pass, Query, RandomKind, Ray, Result, Segment, offset,
+    Columns, DirectLight, Features, Layer, Light, Pass, Query, RandomKind, Ray, Result, Segment, offset, spot_part,
 };
 
 use crate::cpu::{Cpu, CpuBuffer};
@@ -88,6 +88,15 @@ fn weight(scene: &CpuScene, light: &Light, segment: &Segment) -> f32 {
     light.power.iter().sum::<f32>() / (gap - nearest).length_squared().max(1e-6)
 }
 
+/// Distances along a segment between which a light may reach it; `None` if it does not.
+fn lit_part(light: &Light, segment: &Segment) -> Option<[f32; 2]> {
+    if light.kind != Light::SPOT {
+        return Some([0.0, segment.length]);
+    }
+    let cone = [light.position, light.direction].map(Vec3::from);
+    spot_part::part([segment.origin, segment.direction], segment.length, cone, light.versine_outer)
+}
+
 /// Random numbers of a shadow ray.
 struct Choice {
     /// For the point on the light.
@@ -121,17 +130,25 @@ fn from_light(
     let place = choice.place;
     let (_, medium) = scene.medium(segment.media);
     let mean = medium.extinction().element_sum() / 3.0;
-    let whole = columns.map_or(segment.length, Columns::total);
+    // Places in the cone of a spot light alone, from `first` to `last`.
+    let Some([first, last]) = lit_part(light, segment) else { return Vec3::ZERO };
+    let before = if first > 0.0 { Place::new(columns, first).column } else { 0.0 };
+    let behind = if last < segment.length { Some(Place::new(columns, last).column) } else { None };
+    let whole = behind.unwrap_or_else(|| columns.map_or(segment.length, Columns::total)) - before;
+    if !(whole > 0.0) {
+        return Vec3::ZERO;
+    }
     let by_column = |u: f32| {
-        let column = exponential(mean, whole, u);
+        let column = before + exponential(mean, whole, u);
         columns.map_or(column, |columns| columns.place(column))
     };
+    let start = segment.origin + segment.direction * first;
     let near = Target::evenly(scene, light, choice.point)
-        .map(|target| (Equiangular::new(segment.origin, segment.direction, segment.length, target.to), target));
+        .map(|target| (Equiangular::new(start, segment.direction, last - first, target.to), target));
     // One half by the angle seen from the light, one half by the transmittance (balance heuristic); by the latter alone for light
     // from infinity.
     let distance = match &near {
-        Some((angles, _)) if place < 0.5 => angles.sample(2.0 * place).min(segment.length),
+        Some((angles, _)) if place < 0.5 => (first + angles.sample(2.0 * place)).min(last),
         Some(_) => by_column(2.0 * place - 1.0),
         None => by_column(place),
     };
@@ -139,11 +156,11 @@ fn from_light(
     if !(local > 0.0) {
         return Vec3::ZERO;
     }
-    let density = exponential_density(mean, whole, column);
+    let density = exponential_density(mean, whole, (column - before).max(0.0));
     let from = segment.origin + segment.direction * distance;
     let (ray, arrives) = match near {
         Some((angles, mut target)) => {
-            let density = 0.5 * (angles.density(distance) + local * density);
+            let density = 0.5 * (angles.density(distance - first) + local * density);
             if light.flags & Light::BOTH_SIDES != 0 && target.front.dot(from - target.to) < 0.0 {
                 target.front = -target.front;
             }

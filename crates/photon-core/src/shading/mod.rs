@@ -44,4 +44,5 @@ pub mod sheen;
 pub(crate) mod sheen_lobe;
 pub mod solid_angle;
 pub(crate) mod spectrum;
+pub mod spot_part;
 pub mod texture;

@@ -49,6 +49,7 @@ pub mod many_lights;
 pub mod media;
 pub mod media_equivalence;
 pub mod media_grids;
+pub mod media_spots;
 pub mod mirrors_and_glass;
 pub mod narrow_estimates;
 pub mod nesting;
@@ -176,6 +177,7 @@ macro_rules! whole_suite {
                 p14_endless_fog, memory_is_limited_with_a_mirror, paths_are_accounted_for,
                 radius_of_more_pixels_than_tell_it, what_media_do_not_go_with_is_refused,
             }
+            media_spots::{ light_of_spots_is_scattered_once, spots_beside_the_view_are_not_seen }
             media_grids::{
                 airlight_in_a_slope, slopes_let_light_through, clouds_in_even_light, even_grids_are_homogeneous,
             }

@@ -11,7 +11,7 @@ use crate::stats::{assert_agrees, moments, standard_error};
 
 /// Coefficients per user length.
 #[derive(Clone, Copy)]
-struct Fog {
+pub(crate) struct Fog {
     scattering: [f64; 3],
     absorption: [f64; 3],
     phase: Phase,
@@ -19,13 +19,13 @@ struct Fog {
 
 impl Fog {
     /// Grey, of this extinction and albedo.
-    fn new(extinction: f64, albedo: f64, anisotropy: f64) -> Self {
+    pub(crate) fn new(extinction: f64, albedo: f64, anisotropy: f64) -> Self {
         let phase = Phase::HenyeyGreenstein(anisotropy as f32);
         Self { scattering: [extinction * albedo; 3], absorption: [extinction * (1.0 - albedo); 3], phase }
     }
 
     /// The table of media of a scene, with this one as entry `index`.
-    fn at(self, scene: &Scene, index: usize) -> Vec<Medium> {
+    pub(crate) fn at(self, scene: &Scene, index: usize) -> Vec<Medium> {
         let mut media = scene.view().media.to_vec();
         let length = scene.units().length_to_user(1.0);
         let normalised = |coefficients: [f64; 3]| coefficients.map(|c| (c * length) as f32);

@@ -51,7 +51,7 @@ bool spot_part(
         first = 0.0;
         last = low;
     }
-    precise float room = SPOT_ROOM * abs(last - first);
+    precise float room = SPOT_ROOM * abs(min(last, end) - max(first, 0.0));
     precise float earlier = first - room, later = last + room;
     first = max(earlier, 0.0);
     last = min(later, end);

@@ -49,7 +49,7 @@ pub fn part([origin, direction]: [Vec3; 2], end: f32, [apex, axis]: [Vec3; 2], v
     } else {
         [0.0, low]
     };
-    let room = ROOM * (last - first).abs();
+    let room = ROOM * (last.min(end) - first.max(0.0)).abs();
     let (first, last) = ((first - room).max(0.0), (last + room).min(end));
     (first < last).then_some([first, last])
 }
@@ -79,7 +79,7 @@ mod tests {
             };
             let steps = 200;
             for step in 0..=steps {
-                let t = end * step as f32 / steps as f32;
+                let t = end * (step as f32 / steps as f32);
                 let counts = found.is_some_and(|[first, last]| first <= t && t <= last);
                 assert!(counts || inside(t) < 1e-5, "{t} of {found:?}: {}", inside(t));
             }

@@ -32,32 +32,39 @@ fn scene(spot: Spot) -> Scene {
     let Spot { position, direction, inner_angle, outer_angle } = spot;
     let intensity = [INTENSITY; 3];
     builder.light("spot", LightDesc::Spot { position, direction, intensity, inner_angle, outer_angle });
-    camera(&mut builder, [0.0; 3], [1.0, 0.0, 0.0], 1e-3);
+    camera(&mut builder, [0.0; 3], [1.0, 0.0, 0.0], 1e-6);
     builder.build().unwrap()
 }
 
-/// ∫ σ_s I e^(−σ(t+d))/(4πd²) dt by the midpoint rule, with the fall-off of glTF between both angles.
+/// ∫ σ_s I e^(−σ(t+d))/(4πd²) dt by the midpoint rule, with the fall-off of glTF between both angles. In steps of the angle φ
+/// seen from the light, dt = d²/h dφ, which are as fine as they have to be beside it.
 fn expected(spot: Spot) -> f64 {
     let steps = 1_000_000;
     let axis = DVec3::from(spot.direction).normalize_or_zero();
     let [inner, outer] = [spot.inner_angle, spot.outer_angle].map(f64::cos);
+    let [x, y, z] = spot.position;
+    let height = y.hypot(z);
+    let [start, end] = [0.0, LENGTH].map(|t| ((t - x) / height).atan());
     let sum: f64 = (0..steps)
         .map(|step| {
-            let t = LENGTH * (f64::from(step) + 0.5) / f64::from(steps);
+            let t = x + height * (start + (end - start) * (f64::from(step) + 0.5) / f64::from(steps)).tan();
             let offset = DVec3::new(t, 0.0, 0.0) - DVec3::from(spot.position);
             let (distance, cosine) = (offset.length(), offset.dot(axis) / offset.length());
             let falloff = ((cosine - outer) / (inner - outer)).clamp(0.0, 1.0).powi(2);
-            falloff * (-EXTINCTION * (t + distance)).exp() / (distance * distance)
+            falloff * (-EXTINCTION * (t + distance)).exp()
         })
         .sum();
-    EXTINCTION * ALBEDO * INTENSITY * 0.25 * FRAC_1_PI * sum * LENGTH / f64::from(steps)
+    EXTINCTION * ALBEDO * INTENSITY * 0.25 * FRAC_1_PI * sum * (end - start) / (height * f64::from(steps))
 }
 
-/// Across the view, narrow and oblique, along the view and against it, from within the cone, and wide.
+/// Across the view, narrow and oblique, along the view and against it, from within the cone, wide, and from lights that the view
+/// all but meets, of which the height is known to some 10⁻⁴ of it.
 pub fn light_of_spots_is_scattered_once<T: TestBackend>() {
     let spot = |position, direction, inner_angle, outer_angle| Spot { position, direction, inner_angle, outer_angle };
     let settings = Settings { shadow_rays: 4, photons: 100, ..direct_settings(Direct::Nee, 0.1) };
     for &spot in cases::<T, _>(&[
+        spot([5.0, 1e-3, 0.0], [-1.0, 0.0, 0.0], 0.7, 0.785),
+        spot([8.5, 1e-3, 0.0], [1.0, 0.0, 0.0], 0.7, 0.785),
         spot([5.0, 1.0, 0.0], [0.0, -1.0, 0.0], 0.3, 0.300_001),
         spot([3.0, 1.0, 0.5], [1.0, -1.0, -0.5], 0.04, 0.05),
         spot([-1.0, 0.5, 0.0], [1.0, 0.0, 0.0], 0.2, 0.25),
@@ -69,7 +76,8 @@ pub fn light_of_spots_is_scattered_once<T: TestBackend>() {
         let scene = scene(spot);
         let media = Fog::new(EXTINCTION, ALBEDO, 0.0).at(&scene, 0);
         let [found, ..] = per_pass::<T>(&scene, &media, &settings, (16, 8), &[Layer::Direct]);
-        assert_mean(&format!("{spot:?}"), &found, expected(spot), 1e-4);
+        let relative = if spot.position[1].abs() < 2e-3 { 1e-3 } else { 1e-4 };
+        assert_mean(&format!("{spot:?}"), &found, expected(spot), relative);
     }
 }
 

@@ -2,16 +2,17 @@
 
 use glam::Vec3;
 
-/// Sine squared of the half angle below which rounding decides what is inside; then the whole segment counts.
+/// Sine squared of the half angle, and part of it that the leading coefficient is, below which rounding decides what is inside;
+/// then the whole segment counts.
 const NARROW: f32 = 1e-5;
 
 /// Rounding of the discriminant, relative to its terms, and room at both ends, relative to the part.
 const ROUNDING: f32 = 1e-6;
 const ROOM: f32 = 1e-3;
 
-/// Distances from `origin`, at most `end` along the unit vector `direction`, between which all points are that lie in the cone from
-/// `apex` around the unit vector `axis` with the versine `versine_outer` of its half angle; `None` if there are none. With some room
-/// for rounding, and the whole segment where the cone is no narrower than a half space, or its side is parallel to the segment.
+/// Distances from `origin`, at most `end` along the unit vector `direction`, between which lie all points in the cone from `apex`
+/// around the unit vector `axis` with the versine `versine_outer` of its half angle; `None` if there are none. With some room for
+/// rounding, and the whole segment where rounding is too coarse, or the cone is no narrower than a half space.
 #[inline]
 #[must_use]
 pub fn part([origin, direction]: [Vec3; 2], end: f32, [apex, axis]: [Vec3; 2], versine_outer: f32) -> Option<[f32; 2]> {
@@ -22,7 +23,10 @@ pub fn part([origin, direction]: [Vec3; 2], end: f32, [apex, axis]: [Vec3; 2], v
     }
     // Points inside have a positive height along the axis, and (height · sine)² ≥ (distance from the axis · cosine)², which is
     // a t² + 2 b t + c ≥ 0.
-    let gap = origin - apex;
+    // Distances t are from the foot of the apex, so that nothing cancels if the line all but meets it.
+    let to_apex = apex - origin;
+    let foot = to_apex.dot(direction);
+    let gap = direction * foot - to_apex;
     let [rise, height] = [direction, gap].map(|vector| vector.dot(axis));
     let [across, beside] = [direction - axis * rise, gap - axis * height];
     let a = sine_squared * (rise * rise) - cosine_squared * across.dot(across);
@@ -31,7 +35,8 @@ pub fn part([origin, direction]: [Vec3; 2], end: f32, [apex, axis]: [Vec3; 2], v
     if a.abs() < NARROW * sine_squared {
         return Some([0.0, end]);
     }
-    let discriminant = b * b - a * c + ROUNDING * (b * b + (a * c).abs());
+    // Rounded so that the part grows: for a > 0 it is outside of the roots.
+    let discriminant = b * b - a * c - (ROUNDING * (b * b + (a * c).abs())).copysign(a);
     if discriminant <= 0.0 {
         return if a > 0.0 { Some([0.0, end]) } else { None };
     }
@@ -43,11 +48,11 @@ pub fn part([origin, direction]: [Vec3; 2], end: f32, [apex, axis]: [Vec3; 2], v
         if height + rise * (0.5 * (low + high)) < 0.0 {
             return None;
         }
-        [low, high]
+        [foot + low, foot + high]
     } else if rise > 0.0 {
-        [high, end]
+        [foot + high, end]
     } else {
-        [0.0, low]
+        [0.0, foot + low]
     };
     let room = ROOM * (last.min(end) - first.max(0.0)).abs();
     let (first, last) = ((first - room).max(0.0), (last + room).min(end));

@@ -6,8 +6,8 @@ use numpy::{IntoPyArray, PyArray1};
 use photonmap::cpu::Cpu;
 use photonmap::scene::Scene;
 use photonmap::{
-    Batch, Deposits, Direct, Indirect, MapKind, Pass, PerMap, Photon, PhotonFormat, PhotonRay, Requirements, Settings,
-    TransportBackend, octahedral,
+    Batch, Deposits, Direct, Indirect, MapKind, MediaDeposits, Pass, PerMap, Photon, PhotonFormat, PhotonRay,
+    Requirements, Settings, TransportBackend, octahedral,
 };
 use pyo3::prelude::*;
 
@@ -100,7 +100,7 @@ fn all<B: TransportBackend>(mut on: B, scene: &Scene, settings: &Settings) -> Re
             deposits[kind] = buffer.as_mut();
         }
         stages.emitter.emit(&mut on, &prepared, &batch, &mut rays)?;
-        stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default())?;
+        stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, MediaDeposits::default())?;
         stages.tracer.take_tally(&mut on)?;
         let mut is_full = false;
         for kind in MapKind::ALL {

@@ -17,7 +17,8 @@
 layout(local_size_x_id = 1) in;
 layout(constant_id = 0) const uint FEATURES = 511;
 layout(constant_id = 2) const uint RANDOM = 0;
-// Bit mask of the maps that are stored: those on surfaces, then those in media that scatter light.
+// Bit mask of the maps that are stored: those on surfaces, then those in media that scatter light. Light straight from a light
+// source leaves no photons in media: its bit there is that of photons on surfaces that were last scattered in a medium.
 layout(constant_id = 3) const uint WANTED = 7;
 layout(constant_id = 4) const bool DYNAMIC = true;
 // When fewer rays of a subgroup than this are being traced, the finished ones are processed first: shaded, or
@@ -46,6 +47,7 @@ layout(constant_id = 11) const bool ALL_LIGHTS = false;
 
 const uint WANTED_IN_MEDIA = WANTED >> MAP_COUNT;
 const bool IN_MEDIA = WANTED_IN_MEDIA != 0u;
+const bool FROM_MEDIA = (WANTED_IN_MEDIA >> MAP_DIRECT & 1u) != 0u;
 
 // Path index, and ordinal << MAP_BITS | map.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Owners { uvec2 at; };
@@ -59,7 +61,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Round {
 // An active path, saved between two dispatches.
 struct State {
     vec3 origin;
-    // With SCATTERING also the number of collisions << 16.
+    // With SCATTERING also the number of collisions << 16, and `from_medium` << 31.
     uint bounce;
     vec3 direction;
     uint media;
@@ -139,6 +141,8 @@ struct Path {
     uint bounce;
     // Number of collisions in media. Only with SCATTERING.
     uint collisions;
+    // Whether the light was last scattered in a medium. Only with FROM_MEDIA.
+    bool from_medium;
     uint media;
     uint wavelength;
     bool specular_only;
@@ -183,6 +187,7 @@ Path begin(uint number) {
         path.power = start.power;
         path.bounce = 0u;
         if (SCATTERING) path.collisions = 0u;
+        path.from_medium = false;
         path.media = start.media;
         path.wavelength = NO_WAVELENGTH;
         path.specular_only = true;
@@ -201,8 +206,9 @@ Path begin(uint number) {
     path.bounce = state.bounce;
     if (SCATTERING) {
         path.bounce &= 0xFFFFu;
-        path.collisions = state.bounce >> 16;
+        path.collisions = state.bounce >> 16 & 0x7FFFu;
     }
+    path.from_medium = FROM_MEDIA && state.bounce >> 31 != 0u;
     path.media = state.media;
     path.specular_only = (state.flags & 1u) != 0u;
     path.too_deep = NESTED && (state.flags & 2u) != 0u;
@@ -225,6 +231,7 @@ void keep(Path path) {
     state.origin = path.ray.origin;
     state.bounce = path.bounce;
     if (SCATTERING) state.bounce |= path.collisions << 16;
+    if (FROM_MEDIA && path.from_medium) state.bounce |= 0x80000000u;
     state.direction = path.ray.direction;
     state.media = path.media;
     state.power = path.power;
@@ -256,19 +263,28 @@ void store(inout Path path, Surface at, vec3 power, float coverage) {
     if ((WANTED >> map & 1u) == 0u) return;
     uint ordinal = stored_in(path.stored, map);
     uint place = counter_take(push.place);
+    Photon photon;
+    photon.position = at.point;
+    photon.direction = octahedral_pack(-path.ray.direction);
+    if (REFLECTIONS && ALL_LIGHTS) {
+        photon.direction = gloss_caustics_with_mark(photon.direction, is_sampled_only(path));
+    }
+    photon.power = RANDOM_SURFACES ? over(power, coverage) : power;
+    photon.normal = octahedral_pack(at.normal);
     if (place < push.places) {
-        Photon photon;
-        photon.position = at.point;
-        photon.direction = octahedral_pack(-path.ray.direction);
-        if (REFLECTIONS && ALL_LIGHTS) {
-            photon.direction = gloss_caustics_with_mark(photon.direction, is_sampled_only(path));
-        }
-        photon.power = RANDOM_SURFACES ? over(power, coverage) : power;
-        photon.normal = octahedral_pack(at.normal);
         push.photons[place].at = photon;
         push.owners[place].at = uvec2(path.index, ordinal << MAP_BITS | map);
     }
     [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? 1u : 0u;
+    if (FROM_MEDIA && path.from_medium) {
+        uint second = counter_take(push.place);
+        if (second < push.places) {
+            push.photons[second].at = photon;
+            push.owners[second].at =
+                uvec2(path.index, path.stored_in_media[MAP_DIRECT] << MAP_BITS | MAP_COUNT + MAP_DIRECT);
+        }
+        ++path.stored_in_media[MAP_DIRECT];
+    }
 }
 
 // Whether the path's numbers are valid for continuing.
@@ -348,6 +364,7 @@ uint step_path(inout Path path, Hit hit) {
                 return FATE_TERMINATED;
             }
             path.specular_only = false;
+            path.from_medium = false;
         }
         survives = photon_glossy(push.scene, glossy, lobe, rest, arriving, left);
     } else if (ROUGH_GLASS && rule == SCATTERING_ROUGH_GLASS) {
@@ -371,6 +388,7 @@ uint step_path(inout Path path, Hit hit) {
                 return FATE_TERMINATED;
             }
             path.specular_only = false;
+            path.from_medium = false;
         }
         enters = lobe == LOBE_SPECULAR_TRANSMISSION;
         if (bsdf_is_total(bsdf)) ++path.total;

@@ -84,6 +84,7 @@ uint cross_medium(inout Path path, uint media, uint index, float from, float to,
     path.ray = Ray(along(path.ray, place), direction, NO_LIMIT);
     path.media = media;
     path.specular_only = false;
+    path.from_medium = true;
     ++path.collisions;
     // The medium around everything has no bounds.
     if (AMBIENT && index == 0u) {

@@ -6,8 +6,9 @@ use std::f64::consts::TAU;
 use photon_core::glam::{Vec2, Vec3};
 use photon_core::random::{BLOCK_LIGHT, BLOCK_START, Domain, Sampler};
 use photon_core::{
-    Backend, Batch, CausticPhotons, Direct, EnvironmentMap, Estimator, Indirect, Light, MapKind, Pass, PerMap, Photon,
-    PhotonRay, ProjectionMap, Ray, RayCaster, Render, Requirements, Settings, TransportBackend, sampling,
+    Backend, Batch, CausticPhotons, Direct, EnvironmentMap, Estimator, Indirect, Light, MapKind, MediaDeposits, Pass,
+    PerMap, Photon, PhotonRay, ProjectionMap, Ray, RayCaster, Render, Requirements, Settings, TransportBackend,
+    sampling,
 };
 use photon_scene::{Accel, CameraDesc, LightDesc, MaterialDesc, Scene, SceneBuilder, Sun, shapes};
 
@@ -102,7 +103,7 @@ fn caustics<T: TestBackend>(
             on.clear(&mut kept).unwrap();
             emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
             let deposits = PerMap::only(MapKind::Caustic, &mut kept);
-            tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
+            tracer.trace(&mut on, &prepared, &batch, &rays, deposits, MediaDeposits::default()).unwrap();
             let tally = tracer.take_tally(&mut on).unwrap();
             assert!(
                 tally.balances() && tally.stored[MapKind::Direct] + tally.stored[MapKind::Global] == 0,

@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use photon_core::random::{Domain, Sampler, unit_f32};
 use photon_core::{
-    Backend, Batch, Direct, Estimate, EstimateParams, Estimator, Film, IndexKind, Indirect, Pass, PerMap, Photon,
-    PhotonRay, Pipeline, Query, RandomKind, Render, Requirements, Settings, Stages, Tally, TransportBackend, View,
-    octahedral,
+    Backend, Batch, Direct, Estimate, EstimateParams, Estimator, Film, IndexKind, Indirect, MediaDeposits, Pass,
+    PerMap, Photon, PhotonRay, Pipeline, Query, RandomKind, Render, Requirements, Settings, Stages, Tally,
+    TransportBackend, View, octahedral,
 };
 use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
 
@@ -185,7 +185,10 @@ impl<B: TransportBackend> Tracing<B> {
     pub fn follow(&mut self, paths: Range<u32>, rays: &B::Buffer<PhotonRay>) {
         let deposits = self.photons.each_mut().map(Some);
         let batch = Batch { pass: self.pass, paths };
-        self.stages.tracer.trace(&mut self.on, &self.prepared, &batch, rays, deposits, PerMap::default()).unwrap();
+        self.stages
+            .tracer
+            .trace(&mut self.on, &self.prepared, &batch, rays, deposits, MediaDeposits::default())
+            .unwrap();
     }
 
     /// The photons of each map, and the tally.

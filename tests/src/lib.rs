@@ -173,6 +173,7 @@ macro_rules! whole_suite {
             rainbow::{ p21_rainbow }
             media::{
                 p2_airlight, p2_sees_the_direction_of_scattering, p3_shaft, p10_slabs, p12_furnace, p13_body_in_even_light,
+                light_of_fog_is_not_gathered_twice,
                 intervals_of_a_shaft,
                 p14_endless_fog, memory_is_limited_with_a_mirror, paths_are_accounted_for,
                 radius_of_more_pixels_than_tell_it, what_media_do_not_go_with_is_refused,

@@ -3,8 +3,12 @@
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use photon_core::phase::{Mie, Phase};
-use photon_core::{Direct, Error, Film, Layer, Medium, PassEnd, Pipeline, Render as _, SceneView, Settings, View};
-use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, shapes};
+use photon_core::{
+    Direct, Error, Film, Indirect, Layer, Medium, PassEnd, Pipeline, Render as _, SceneView, Settings, View,
+};
+use photon_scene::{
+    AmbientMedium, CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, shapes,
+};
 
 use crate::harness::{TestBackend, direct_settings};
 use crate::stats::{assert_agrees, moments, standard_error};
@@ -176,7 +180,7 @@ pub fn p14_endless_fog<T: TestBackend>() {
 
 /// Settings with this radius in every pass.
 pub(crate) fn fixed_radius(radius: f64) -> Settings {
-    Settings { indirect: photon_core::Indirect::Map, ..direct_settings(Direct::Nee, radius) }
+    Settings { indirect: Indirect::Map, ..direct_settings(Direct::Nee, radius) }
 }
 
 /// P12: in a closed room of even walls, fog that absorbs nothing changes nothing.
@@ -190,14 +194,48 @@ pub fn p12_furnace<T: TestBackend>() {
     let projection = Projection::Perspective { vertical_fov: 1.0 };
     builder.camera("inside", CameraDesc::new([-0.3, 0.1, -0.2], towards, [0.0, 1.0, 0.0], projection));
     let scene = builder.build().unwrap();
-    for &(extinction, g) in cases::<T, _>(&[(1e-4, 0.0), (0.7, 0.0), (3.0, -0.5), (0.7, 0.8)]) {
+    for &(extinction, g, indirect) in cases::<T, _>(&[
+        (1e-4, 0.0, Indirect::Map),
+        (0.7, 0.0, Indirect::Map),
+        (3.0, -0.5, Indirect::Map),
+        (0.7, 0.8, Indirect::Map),
+        (3.0, -0.5, Indirect::Gather),
+        (0.7, 0.8, Indirect::Gather),
+    ]) {
         let media = Fog::new(extinction, 1.0, g).at(&scene, 0);
-        let settings = Settings { photons: 20_000, shadow_rays: 4, max_bounces: 200, ..fixed_radius(0.05) };
+        let settings = Settings { photons: 20_000, shadow_rays: 4, max_bounces: 200, indirect, ..fixed_radius(0.05) };
         let [found, ..] = per_pass::<T>(&scene, &media, &settings, (12 * T::ONE_OF, 16), &Layer::ALL);
         // Estimates near the walls of the room lose light beyond them: surface areas correct those on walls; those around
         // segments lose less than the share of segments within a radius of a wall.
-        assert_mean(&format!("furnace, σ = {extinction}, g = {g}"), &found, 2.0 * radiance, 1.5e-2);
+        assert_mean(&format!("furnace, σ = {extinction}, g = {g}, {indirect:?}"), &found, 2.0 * radiance, 1.5e-2);
     }
+}
+
+/// A floor that only a lit fog above it lights: with final gathering the same picture as without, bit by bit, since its rays meet
+/// nothing. A second floor beside it changes that.
+pub fn light_of_fog_is_not_gathered_twice<T: TestBackend>() {
+    let picture = |indirect, is_alone: bool| {
+        let mut builder = SceneBuilder::new();
+        let floor = builder.material(MaterialDesc::lambert("floor", [0.8; 3]));
+        builder.quad("floor", [[-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]], floor);
+        if !is_alone {
+            builder.quad("wall", [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 1.0, -1.0], [-1.0, 1.0, -1.0]], floor);
+        }
+        builder.light("light", LightDesc::Point { position: [0.2, 0.6, 0.1], intensity: [1.0; 3] });
+        builder.medium(AmbientMedium::new([0.5; 3], [0.1; 3]).with_bounds([-2.0, -1.0, -2.0], [2.0, 2.0, 2.0]));
+        camera(&mut builder, [0.0, 0.4, 3.0], [0.0, 0.0, -1.0], 0.5);
+        let scene = builder.build().unwrap();
+        let settings = Settings { photons: 4000, indirect, ..fixed_radius(0.1) };
+        let media = scene.view().media.to_vec();
+        let mut renderer = renderer::<T>(&scene, &media, &settings, 16);
+        renderer.pass(0, &mut ()).unwrap();
+        let film = renderer.film().unwrap();
+        film.pixels.iter().map(|pixel| pixel.layers[Layer::Indirect as usize].map(f64::to_bits)).collect::<Vec<_>>()
+    };
+    let [read, gathered] = [Indirect::Map, Indirect::Gather].map(|indirect| picture(indirect, true));
+    assert!(read.iter().filter(|&&light| light != [0; 3]).count() > 100);
+    assert_eq!(read, gathered);
+    assert_ne!(picture(Indirect::Map, false), picture(Indirect::Gather, false));
 }
 
 /// A solid with a medium of its own.
@@ -384,7 +422,6 @@ pub fn what_media_do_not_go_with_is_refused<T: TestBackend>() {
     };
     let (thin, plain) = (Fog::new(1.0, 0.9, 0.0), fixed_radius(0.1));
     for (settings, expected) in [
-        (Settings { indirect: photon_core::Indirect::Gather, ..plain.clone() }, "--indirect map"),
         (Settings { direct: Direct::Photons, ..plain.clone() }, "--direct nee"),
         (Settings { transparent_background: true, ..plain.clone() }, "fog hides"),
         (

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use photon_core::{
-    Backend, Batch, Direct, Estimate, EstimateParams, IndexKind, MapKind, Pass, PerMap, Photon, PhotonFormat,
-    PhotonRay, Query, RandomKind, Requirements, Search, Settings, TransportBackend,
+    Backend, Batch, Direct, Estimate, EstimateParams, IndexKind, MapKind, MediaDeposits, Pass, PerMap, Photon,
+    PhotonFormat, PhotonRay, Query, RandomKind, Requirements, Search, Settings, TransportBackend,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder};
 
@@ -71,7 +71,7 @@ fn landed<B: TransportBackend>(
         paths: 0..rays.len() as u32,
     };
     let deposits = PerMap::only(MapKind::Direct, &mut photons);
-    stages.tracer.trace(on, &prepared, &batch, &there, deposits, PerMap::default()).unwrap();
+    stages.tracer.trace(on, &prepared, &batch, &there, deposits, MediaDeposits::default()).unwrap();
     assert_eq!(stages.tracer.take_tally(on).unwrap().surfaces, rays.len() as u64);
     photons
 }

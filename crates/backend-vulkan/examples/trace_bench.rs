@@ -11,8 +11,8 @@ use std::process::ExitCode;
 use backend_vulkan::Vulkan;
 use backend_vulkan::low_level::{self, TracePlan};
 use photon_core::{
-    Backend, Batch, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Scheduling, Settings, Stage,
-    TransportBackend,
+    Backend, Batch, MediaDeposits, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Scheduling, Settings,
+    Stage, TransportBackend,
 };
 
 fn main() -> ExitCode {
@@ -72,7 +72,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
             stages.emitter.emit(&mut on, &prepared, &batch, &mut rays)?;
             on.mark(Some(Stage::Trace));
             let deposits = maps.each_mut().map(Option::as_mut);
-            stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default())?;
+            stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, MediaDeposits::default())?;
             on.mark(None);
             let took = on.timings()?;
             let tally = stages.tracer.take_tally(&mut on)?;

@@ -7,8 +7,9 @@ use backend_cpu::Cpu;
 use backend_vulkan::low_level;
 use photon_core::glam::Vec3;
 use photon_core::{
-    Backend, Batch, EstimateParams, EyeBuffers, Film, FilmBackend, IndexKind, Indirect, Kernel, Layer, Maps, Pass,
-    PerMap, Photon, PhotonRay, Query, RandomKind, Requirements, Search, Settings, TransportBackend, View,
+    Backend, Batch, EstimateParams, EyeBuffers, Film, FilmBackend, IndexKind, Indirect, Kernel, Layer, Maps,
+    MediaDeposits, Pass, PerMap, Photon, PhotonRay, Query, RandomKind, Requirements, Search, Settings,
+    TransportBackend, View,
 };
 use photon_scene::{CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Sun, ThinLens, builtin};
 
@@ -405,7 +406,7 @@ fn photons(scene: &Scene, paths: u32) -> PerMap<Vec<Photon>> {
     let batch = Batch { pass: pass(0), paths: 0..paths };
     stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
     let deposits = buffers.each_mut().map(Some);
-    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
+    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, MediaDeposits::default()).unwrap();
     buffers.map(|buffer| buffer.as_slice().to_vec())
 }
 

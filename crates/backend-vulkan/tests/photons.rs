@@ -6,8 +6,8 @@ use backend_cpu::Cpu;
 use backend_vulkan::low_level::{self, TracePlan};
 use photon_core::glam::Vec3;
 use photon_core::{
-    Batch, MapKind, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Scheduling, Settings, Tally,
-    TransportBackend,
+    Batch, MapKind, MediaDeposits, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Scheduling, Settings,
+    Tally, TransportBackend,
 };
 use photon_scene::{Scene, builtin};
 
@@ -91,6 +91,8 @@ fn trace<B: TransportBackend>(on: &mut B, scene: &Scene, how: &How) -> TraceOutp
         if !how.wanted[1] {
             media = PerMap::default();
         }
+        let onto_surfaces = media[MapKind::Direct].take();
+        let media = MediaDeposits { inside: media, onto_surfaces };
         stages.tracer.trace(on, &prepared, &batch, &rays, surfaces, media).unwrap();
         all.extend(home);
     }

@@ -29,7 +29,7 @@ pub use backend::observer::{Event, Observer, PassReport};
 pub use backend::stages::{
     Aimed, AreaProbe, Batch, BeamEstimator, BeamParams, Deposits, DirectLight, Emitter, EstimateBuffers,
     EstimateParams, EyeBuffers, EyeTracer, FinalGather, GlossCaustics, IrradiancePoints, KdTreeBuilder, MapStages,
-    Maps, MediaStages, Pass, RadianceEstimator, Search, Stages, Tracer, View,
+    Maps, MediaDeposits, MediaStages, Pass, RadianceEstimator, Search, Stages, Tracer, View,
 };
 pub use backend::stop::StopCondition;
 pub use backend::tally::{Fate, FixedFlux, FluxSum, Tally};

@@ -4,7 +4,8 @@ use std::ffi::c_char;
 
 use photonmap::cpu::Cpu;
 use photonmap::{
-    Backend, Batch, MapKind, Pass, PerMap, Photon, PhotonRay, Requirements, Settings, TransportBackend, octahedral,
+    Backend, Batch, MapKind, MediaDeposits, Pass, PerMap, Photon, PhotonRay, Requirements, Settings, TransportBackend,
+    octahedral,
 };
 
 use crate::error::{Fault, PmStatus, Result, call, free};
@@ -83,7 +84,7 @@ impl PmPhotons {
                     maps[kind] = Some(on.alloc::<Photon>(kind.label(), capacity)?);
                 }
                 let deposits = maps.each_mut().map(Option::as_mut);
-                stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default())?;
+                stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, MediaDeposits::default())?;
                 let mut needed = 0;
                 for buffer in maps.values().flatten() {
                     needed = needed.max(on.fill(buffer)?.needed);

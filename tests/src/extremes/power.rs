@@ -1,8 +1,8 @@
 //! S7, S10, S11, S17, S18, S30, S31, S33: extreme powers and counts.
 
 use photon_core::{
-    Backend, Batch, Direct, Error, Estimator, Indirect, Pass, PerMap, PhotonRay, Pipeline, Render, Requirements,
-    Settings, Tally, TransportBackend, View, offset,
+    Backend, Batch, Direct, Error, Estimator, Indirect, MediaDeposits, Pass, PerMap, PhotonRay, Pipeline, Render,
+    Requirements, Settings, Tally, TransportBackend, View, offset,
 };
 use photon_scene::{LightDesc, MaterialDesc, Scene, SceneBuilder, shapes};
 
@@ -161,7 +161,7 @@ pub(crate) fn trace_without_maps<T: TestBackend>(scene: &Scene, settings: &Setti
     let batch = Batch { pass, paths: 0..count };
     stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
     let deposits = PerMap::default();
-    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
+    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, MediaDeposits::default()).unwrap();
     stages.tracer.take_tally(&mut on).unwrap()
 }
 

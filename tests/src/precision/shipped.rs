@@ -3,8 +3,8 @@
 use backend_cpu::Cpu;
 use photon_core::glam::{DVec3, Vec3};
 use photon_core::{
-    Backend, Batch, MapKind, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Settings, TransportBackend,
-    octahedral,
+    Backend, Batch, MapKind, MediaDeposits, Pass, PerMap, Photon, PhotonRay, RandomKind, Requirements, Settings,
+    TransportBackend, octahedral,
 };
 use photon_scene::shapes::Shape;
 use photon_scene::{LightDesc, MaterialDesc, Scene, shapes};
@@ -86,7 +86,7 @@ pub fn photons(scene: &Scene, rays: &[PhotonRay], max_bounces: u32) -> (Vec<Vec<
         let deposits = buffers.each_mut().map(Some);
         let one = on.upload("ray", std::slice::from_ref(ray)).unwrap();
         let batch = Batch { pass: PASS, paths: path..path + 1 };
-        stages.tracer.trace(&mut on, &prepared, &batch, &one, deposits, PerMap::default()).unwrap();
+        stages.tracer.trace(&mut on, &prepared, &batch, &one, deposits, MediaDeposits::default()).unwrap();
         lengths.push(buffers.each_ref().map(|buffer| on.fill(buffer).unwrap().length as usize));
     }
     let lost = stages.tracer.take_tally(&mut on).unwrap();

@@ -2,8 +2,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use photon_core::{
-    Area, Backend as _, Batch, Error, Estimator, Film, Indirect, Pass, PerMap, Photon, PhotonRay, Pipeline, RandomKind,
-    Render, Requirements, Result, SceneView, Scheduling, Settings, TransportBackend as _, View, glam::Vec3,
+    Area, Backend as _, Batch, Error, Estimator, Film, Indirect, MediaDeposits, Pass, PerMap, Photon, PhotonRay,
+    Pipeline, RandomKind, Render, Requirements, Result, SceneView, Scheduling, Settings, TransportBackend as _, View,
+    glam::Vec3,
 };
 use photon_scene::{Accel, ThinLens, builtin};
 
@@ -100,7 +101,10 @@ fn photons(name: &str, batches: bool) -> PerMap<Vec<Photon>> {
     let mut rays = cpu.alloc::<PhotonRay>("rays", 5000).unwrap();
     stages.emitter.emit(&mut cpu, &prepared, &batch, &mut rays).unwrap();
     let mut maps = PerMap::from_fn(|kind| cpu.alloc::<Photon>(kind.label(), 50_000).unwrap());
-    stages.tracer.trace(&mut cpu, &prepared, &batch, &rays, maps.each_mut().map(Some), PerMap::default()).unwrap();
+    stages
+        .tracer
+        .trace(&mut cpu, &prepared, &batch, &rays, maps.each_mut().map(Some), MediaDeposits::default())
+        .unwrap();
     assert_eq!(calls[0].load(Ordering::Relaxed) > 0, batches);
     maps.map(|photons| photons.as_slice().to_vec())
 }

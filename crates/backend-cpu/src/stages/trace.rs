@@ -10,8 +10,8 @@ use photon_core::memory::{self, OutOfMemory};
 use photon_core::photon_sample::{Arriving, GlossyLobe, PhotonSample};
 use photon_core::random::{BLOCK_SURFACES, Domain, Sampler, unit_f32};
 use photon_core::{
-    Batch, Deposits, Fate, Features, FixedFlux, Hit, Layers, Lobe, MapKind, MediaFeatures, MediumStack, PerMap, Photon,
-    PhotonFormat, PhotonRay, Ray, Requirements, Result, Scattering, Scheduling, Settings, SkipLimit,
+    Batch, Deposits, Fate, Features, FixedFlux, Hit, Layers, Lobe, MapKind, MediaDeposits, MediaFeatures, MediumStack,
+    PerMap, Photon, PhotonFormat, PhotonRay, Ray, Requirements, Result, Scattering, Scheduling, Settings, SkipLimit,
     SurfaceInteraction, Tally, Tracer, Vertex, Wavelength, gloss_caustics, most_total_reflections, octahedral,
     shading_normal,
 };
@@ -64,6 +64,7 @@ impl CpuTracer {
 pub(super) struct TraceOutput {
     pub(super) photons: PerMap<PhotonList>,
     in_media: PerMap<PhotonList>,
+    from_media: PhotonList,
     tally: Tally,
 }
 
@@ -82,18 +83,17 @@ impl PhotonList {
             Err(refused) => self.refused = Some(refused),
         }
     }
-}
 
-fn append(found: &PerMap<PhotonList>, targets: &mut Deposits<'_, Cpu>) -> Result<()> {
-    for (kind, photons) in found.iter() {
-        if let Some(refused) = photons.refused {
+    /// Appends these photons to a buffer, if there is one.
+    fn append_to(&self, target: Option<&mut CpuBuffer<Photon>>) -> Result<()> {
+        if let Some(refused) = self.refused {
             return Err(refused.into());
         }
-        if let Some(target) = &mut targets[kind] {
-            target.append_photons(&photons.stored);
+        if let Some(target) = target {
+            target.append_photons(&self.stored);
         }
+        Ok(())
     }
-    Ok(())
 }
 
 impl Tracer<Cpu> for CpuTracer {
@@ -104,10 +104,11 @@ impl Tracer<Cpu> for CpuTracer {
         batch: &Batch,
         rays: &CpuBuffer<PhotonRay>,
         mut deposits: Deposits<'_, Cpu>,
-        mut in_media: Deposits<'_, Cpu>,
+        mut in_media: MediaDeposits<'_, Cpu>,
     ) -> Result<()> {
         let [wanted, wanted_in_media] =
-            [&deposits, &in_media].map(|targets| targets.each_ref().map(|target| target.is_some()));
+            [&deposits, &in_media.inside].map(|targets| targets.each_ref().map(|target| target.is_some()));
+        let wanted_from_media = in_media.onto_surfaces.is_some();
         let in_batches = scene.traces_batches();
         let follow = match (in_batches, self.reflections) {
             (true, true) => follow::<{ REFLECTIONS | BATCHED }>,
@@ -120,6 +121,7 @@ impl Tracer<Cpu> for CpuTracer {
         };
         let all_lights = self.caustic_roughness.is_some_and(|least| least <= scene.roughest_caustic);
         let max_bounces = self.max_bounces;
+        let wanted = (wanted, wanted_from_media);
         let walk = Walk { scene, batch, wanted, wanted_in_media, max_bounces, all_lights, in_batches, follow };
         let rays = rays.as_slice();
         let outputs = match self.scheduling {
@@ -128,8 +130,11 @@ impl Tracer<Cpu> for CpuTracer {
         };
         for output in outputs? {
             self.tally.merge(&output.tally);
-            append(&output.photons, &mut deposits)?;
-            append(&output.in_media, &mut in_media)?;
+            for kind in MapKind::ALL {
+                output.photons[kind].append_to(deposits[kind].as_deref_mut())?;
+                output.in_media[kind].append_to(in_media.inside[kind].as_deref_mut())?;
+            }
+            output.from_media.append_to(in_media.onto_surfaces.as_deref_mut())?;
         }
         scene.check_caster()
     }
@@ -148,7 +153,8 @@ type Follow = fn(&Walk<'_>, &PhotonRay, &mut TraceOutput, &mut Paused);
 pub(super) struct Walk<'a> {
     pub(super) scene: &'a CpuScene,
     batch: &'a Batch,
-    wanted: PerMap<bool>,
+    /// The maps on surfaces, and whether light last scattered in a medium has one of its own there.
+    wanted: (PerMap<bool>, bool),
     pub(super) wanted_in_media: PerMap<bool>,
     max_bounces: u32,
     /// Whether photons for reflections are stored of all lights, with a mark: [`gloss_caustics`].
@@ -234,6 +240,8 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
     }
     let most_total = most_total_reflections(walk.max_bounces);
     let mut in_medium = MediumWalk::new(pass, start, aimed);
+    // Whether the light was last scattered in a medium.
+    let mut from_medium = false;
     let mut bounce = first;
     while bounce < walk.max_bounces {
         // NaN fails the comparison too.
@@ -280,7 +288,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                         return tally.end(Fate::Terminated, flux);
                     }
                     if let Crossing::Collides(next) = crossing {
-                        (ray, specular_only) = (next, false);
+                        (ray, specular_only, from_medium) = (next, false, true);
                         if in_medium.collisions > MAX_COLLISIONS {
                             break;
                         }
@@ -319,7 +327,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                 return tally.end(Fate::Terminated, flux);
             }
             if let Crossing::Collides(next) = crossing {
-                (ray, specular_only, media) = (next, false, interface.before);
+                (ray, specular_only, from_medium, media) = (next, false, true, interface.before);
                 if in_medium.collisions > MAX_COLLISIONS {
                     break;
                 }
@@ -338,10 +346,11 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
         // Aimed paths store no photon at the first surface: light straight from a light source is not theirs to count.
         let is_first = aimed && bounce == 0;
         let kind = MapKind::of_path(specular_only, bounce);
-        let target = if is_first || !walk.wanted[kind] { None } else { Some(&mut output.photons[kind]) };
+        let target = if is_first || !walk.wanted.0[kind] { None } else { Some(&mut output.photons[kind]) };
+        let second = if scatters && from_medium && walk.wanted.1 { Some(&mut output.from_media) } else { None };
         let met = if features.intersects(Features::RANDOM_SURFACES) { Some((scene, &hit)) } else { None };
         let wo = -ray.direction;
-        let store = Store { target, kind, surface: &surface, wo, met, mark: None };
+        let store = Store { target, second, kind, surface: &surface, wo, met, mark: None };
         if reflections && material.has_reflection() {
             let light = scene.lights.get(start.light as usize);
             let is_sampled_only = light.is_some_and(gloss_caustics::is_sampled_only);
@@ -381,7 +390,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                     if aimed {
                         return tally.end(Fate::Terminated, flux);
                     }
-                    specular_only = false;
+                    (specular_only, from_medium) = (false, false);
                 }
                 PhotonSample::glossy(&glossy, chosen, &arriving)
             }
@@ -405,7 +414,7 @@ fn follow<const F: u64>(walk: &Walk<'_>, start: &PhotonRay, output: &mut TraceOu
                     if aimed {
                         return tally.end(Fate::Terminated, flux);
                     }
-                    specular_only = false;
+                    (specular_only, from_medium) = (false, false);
                 }
                 if shaded {
                     PhotonSample::shaded(&bsdf, lobe, choice, &arriving)
@@ -440,6 +449,8 @@ fn carry(power: Vec3, flux: &mut FixedFlux, tally: &mut Tally) {
 struct Store<'a> {
     /// `None`: nowhere.
     target: Option<&'a mut PhotonList>,
+    /// A second one for the same photon.
+    second: Option<&'a mut PhotonList>,
     kind: MapKind,
     surface: &'a SurfaceInteraction,
     wo: Vec3,
@@ -456,11 +467,15 @@ impl Store<'_> {
         tally.stored[self.kind] += 1;
         let arriving = self.met.map_or(power, |(scene, hit)| power / scene.met_share(hit));
         let direction = octahedral::pack(self.wo);
-        photons.push(Photon {
+        let photon = Photon {
             position: self.surface.point.into(),
             normal: octahedral::pack(self.surface.normal),
             power: arriving.into(),
             direction: self.mark.map_or(direction, |marked| gloss_caustics::with_mark(direction, marked)),
-        });
+        };
+        photons.push(photon);
+        if let Some(second) = self.second {
+            second.push(photon);
+        }
     }
 }

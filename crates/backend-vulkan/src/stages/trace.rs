@@ -11,8 +11,8 @@ mod scratch;
 
 use photon_core::flight::{FOCUSED_DEPOSITS, MAX_COLLISIONS};
 use photon_core::{
-    Batch, Deposits, MapKind, MediaFeatures, PerMap, Photon, PhotonFormat, PhotonRay, RandomKind, Requirements, Result,
-    Scheduling, Settings, Tally, Tracer,
+    Batch, Deposits, MapKind, MediaDeposits, MediaFeatures, PerMap, Photon, PhotonFormat, PhotonRay, RandomKind,
+    Requirements, Result, Scheduling, Settings, Tally, Tracer,
 };
 
 use self::push::{
@@ -67,7 +67,8 @@ pub(crate) struct PhotonPaths {
     caustic_roughness: Option<f32>,
 }
 
-/// One element for each map of photons on surfaces, then for each of photons in media.
+/// One element for each map of photons on surfaces, then for each of photons in media. Light straight from a light source leaves
+/// none in media: there, its element is that of the photons on surfaces that were last scattered in a medium.
 pub(crate) type Places<T> = [PerMap<T>; 2];
 
 /// The buffer of each map that is required.
@@ -180,11 +181,13 @@ impl Tracer<Vulkan> for VulkanTracer {
         batch: &Batch,
         rays: &VulkanBuffer<PhotonRay>,
         deposits: Deposits<'_, Vulkan>,
-        in_media: Deposits<'_, Vulkan>,
+        in_media: MediaDeposits<'_, Vulkan>,
     ) -> Result<()> {
+        let MediaDeposits { mut inside, onto_surfaces } = in_media;
+        inside[MapKind::Direct] = onto_surfaces;
         // Kernels for other scenes have no media.
         let scatters = scene.kind.media.contains(MediaFeatures::SCATTERING);
-        let deposits = [deposits, if scatters { in_media } else { PerMap::default() }];
+        let deposits = [deposits, if scatters { inside } else { PerMap::default() }];
         let count = on.length(rays)?;
         let mut first = 0;
         while first < count {
@@ -274,6 +277,7 @@ impl VulkanTracer {
         // After the first collision one photon for each stretch.
         let focused = stretches * u64::from(FOCUSED_DEPOSITS) + u64::from(MAX_COLLISIONS) + 1;
         let in_media = if targets[1].values().any(Option::is_some) { focused } else { 0 };
+        let on_surfaces = on_surfaces * if targets[1][MapKind::Direct].is_some() { 2 } else { 1 };
         held.min(count.saturating_mul(on_surfaces + in_media))
     }
 

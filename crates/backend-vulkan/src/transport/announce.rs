@@ -3,7 +3,7 @@
 //! Stages say which kernels they need by the functions that also dispatch them.
 
 use photon_core::{
-    AnnouncedMap, Announcement, Area, Bandwidth, EstimateParams, Features, Indirect, Kernel, Layer, MapPlace,
+    AnnouncedMap, Announcement, Area, Bandwidth, EstimateParams, Features, Indirect, Kernel, Layer, MapKind, MapPlace,
     MediaFeatures, PerMap, PhotonFormat, QUERIES_PER_PIXEL, Result, Search,
 };
 
@@ -44,7 +44,8 @@ fn photons(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
             }
             formats
         };
-        let [plain, reflected, in_media] = MapPlace::ALL.map(formats);
+        let [plain, reflected, mut in_media, from_media] = MapPlace::ALL.map(formats);
+        in_media[MapKind::Direct] = from_media[MapKind::Global];
         let any = |formats: PerMap<Option<PhotonFormat>>| formats.values().any(Option::is_some);
         if ![plain, reflected, in_media].into_iter().any(any) {
             continue;
@@ -83,7 +84,7 @@ fn estimates(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
         }
         if passes.has_pilot {
             estimate::announce_neighbours(on, map.photon_format, settings.min_normal_cosine);
-            if map.is_shown && map.place == MapPlace::Surface {
+            if map.is_shown && map.place.is_on_visible_surfaces() {
                 footprints(on, passes, map.photon_format);
             }
         }

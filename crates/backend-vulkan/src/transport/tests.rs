@@ -2,8 +2,8 @@
 
 use photon_core::{
     Backend, Bandwidth, Batch, Deposits, Direct, Display, EstimateParams, EyeBuffers, Features, FilmBackend, IndexKind,
-    Indirect, MapKind, Maps, Pass, PerMap, Photon, PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query, RandomKind, Render,
-    Requirements, Search, Settings, TransportBackend, View,
+    Indirect, MapKind, Maps, MediaDeposits, Pass, PerMap, Photon, PhotonRay, Pipeline, QUERIES_PER_PIXEL, Query,
+    RandomKind, Render, Requirements, Search, Settings, TransportBackend, View,
 };
 use photon_scene::{Scene, builtin};
 
@@ -22,7 +22,7 @@ fn built_for(scene: &Scene, settings: &Settings, required: &Requirements) -> Vec
     let batch = Batch { pass, paths: 0..500 };
     stages.emitter.emit(&mut on, &prepared, &batch, &mut rays).unwrap();
     let deposits = Deposits::<'_, Vulkan>::only(MapKind::Global, &mut photons);
-    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, PerMap::default()).unwrap();
+    stages.tracer.trace(&mut on, &prepared, &batch, &rays, deposits, MediaDeposits::default()).unwrap();
     let mut film = on.film(scene.units(), 8, 8).unwrap();
     let mut queries = on.alloc::<Query>("queries", u64::from(64 * QUERIES_PER_PIXEL)).unwrap();
     stages

@@ -71,12 +71,13 @@ pub(super) fn announce<B: TransportBackend>(
     let has_reflections = required.gloss_caustics && stages.map.estimator.weighs_reflections();
     let format = required.photon_format.max(photon_format::least(stages));
     let weights = Weights::new(scene, settings, required, has_reflections)?;
-    let slots = MapSlot::<B>::of(&required.maps, has_reflections, stages.media.is_some(), 1.0);
+    let in_media = (stages.media.is_some(), required.final_gather);
+    let slots = MapSlot::<B>::of(&required.maps, has_reflections, in_media, 1.0);
     let maps = slots.iter().map(|slot| AnnouncedMap {
         kind: slot.kind,
         place: slot.place,
         photon_format: slot.photon_format(format),
-        is_shown: is_shown(settings, slot.kind),
+        is_shown: is_shown(settings, slot.kind, slot.place),
         gather: weights.params(settings, slot.place, slot.radius, 0),
     });
     let has_pilot = required.maps.any() && radii::need_pilot(settings);

@@ -73,9 +73,6 @@ pub(super) fn check_media(scene: &SceneView<'_>, settings: &Settings) -> Result<
     if settings.transparent_background && media.intersects(MediaFeatures::AMBIENT.union(MediaFeatures::BOUNDARIES)) {
         return refuse("transparent-background", "true", "fog hides what is behind it: leave it out");
     }
-    if settings.indirect == Indirect::Gather {
-        return refuse("indirect", "gather", "gather rays do not see such media yet: use --indirect map");
-    }
     if !matches!(settings.estimator, Estimator::Radius { .. }) {
         return refuse(
             "estimator",

@@ -11,12 +11,13 @@ use crate::requirements::map_kind::{MapKind, PerMap};
 use crate::requirements::map_place::MapPlace;
 use crate::settings::{Direct, Indirect, Settings};
 
-/// Whether visible points are estimated from a map directly, and not only at the hits of final-gather rays.
-pub(super) fn is_shown(settings: &Settings, kind: MapKind) -> bool {
+/// Whether camera paths read a map directly, and not only at the hits of final-gather rays.
+pub(super) fn is_shown(settings: &Settings, kind: MapKind, place: MapPlace) -> bool {
     match kind {
         MapKind::Direct => settings.direct == Direct::Photons,
         MapKind::Caustic => settings.caustics,
-        MapKind::Global => settings.indirect == Indirect::Map,
+        MapKind::Global if place == MapPlace::Surface => settings.indirect == Indirect::Map,
+        MapKind::Global => settings.indirect != Indirect::None,
     }
 }
 
@@ -29,9 +30,10 @@ impl<B: TransportBackend> Pipeline<B> {
         let maps = self.build_maps(index, &paths)?;
         let pass = Pass::new(&self.settings, index);
         for built in &maps {
-            if (queries > 0 || built.place != MapPlace::Surface) && is_shown(&self.settings, built.kind) {
+            let is_seen = queries > 0 || !built.place.is_on_visible_surfaces();
+            if is_seen && is_shown(&self.settings, built.kind, built.place) {
                 match built.place {
-                    MapPlace::Surface | MapPlace::Reflection => self.show(built, pass)?,
+                    MapPlace::Surface | MapPlace::Reflection | MapPlace::FromMedium => self.show(built, pass)?,
                     MapPlace::Medium => self.show_medium(built)?,
                 }
             }

@@ -20,7 +20,7 @@ impl<B: TransportBackend> Pipeline<B> {
         self.maps.iter_mut().try_for_each(|slot| {
             // A larger requested capacity could never be filled.
             let each = match slot.place {
-                MapPlace::Surface => bounces,
+                MapPlace::Surface | MapPlace::FromMedium => bounces,
                 MapPlace::Reflection => 1,
                 MapPlace::Medium => u64::from(FOCUSED_DEPOSITS) * (bounces + u64::from(MAX_COLLISIONS)),
             };

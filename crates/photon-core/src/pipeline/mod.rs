@@ -295,7 +295,7 @@ impl<B: TransportBackend> Pipeline<B> {
             maps: MapSlot::of(
                 &required.maps,
                 stages.gloss_caustics.is_some(),
-                stages.media.is_some(),
+                (stages.media.is_some(), required.final_gather),
                 radii::given(&settings, &scene.units),
             ),
             units: scene.units,

@@ -2,7 +2,7 @@
 
 use super::Pipeline;
 use crate::backend::observer::{Event, Observer};
-use crate::backend::stages::{Batch, Deposits, Pass};
+use crate::backend::stages::{Batch, Deposits, MediaDeposits, Pass};
 use crate::backend::tally::Tally;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::{Error, Result};
@@ -103,16 +103,18 @@ impl<B: TransportBackend> Pipeline<B> {
         let batch = Batch { pass, paths };
         let stages = &mut self.stages;
         let aims = stages.aimed.is_some();
-        let [mut deposits, mut reflected, mut in_media]: [Deposits<'_, B>; 3] = Default::default();
+        let [mut deposits, mut reflected]: [Deposits<'_, B>; 2] = Default::default();
+        let mut in_media = MediaDeposits::<B>::default();
         for slot in &mut self.maps {
             // A map is filled by one kind of paths, never by both.
             if (aims && slot.kind.is_aimed()) == aimed {
-                let deposits = match slot.place {
-                    MapPlace::Surface => &mut deposits,
-                    MapPlace::Reflection => &mut reflected,
-                    MapPlace::Medium => &mut in_media,
+                let target = match slot.place {
+                    MapPlace::Surface => &mut deposits[slot.kind],
+                    MapPlace::Reflection => &mut reflected[slot.kind],
+                    MapPlace::Medium => &mut in_media.inside[slot.kind],
+                    MapPlace::FromMedium => &mut in_media.onto_surfaces,
                 };
-                deposits[slot.kind] = slot.photons.as_mut();
+                *target = slot.photons.as_mut();
             }
         }
         let (emitter, tracer) = match &mut stages.aimed {
@@ -124,14 +126,8 @@ impl<B: TransportBackend> Pipeline<B> {
         self.on.mark(Some(Stage::Trace));
         tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, deposits, in_media)?;
         if let Some(caustics) = stages.gloss_caustics.as_mut().filter(|_| reflected.values().any(Option::is_some)) {
-            caustics.tracer.trace(
-                &mut self.on,
-                &self.scene,
-                &batch,
-                &self.rays,
-                reflected,
-                Deposits::<B>::default(),
-            )?;
+            let none = MediaDeposits::default();
+            caustics.tracer.trace(&mut self.on, &self.scene, &batch, &self.rays, reflected, none)?;
         }
         self.on.mark(None);
         Ok(())

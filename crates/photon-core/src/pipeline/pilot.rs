@@ -49,8 +49,8 @@ impl<B: TransportBackend> Pipeline<B> {
             let radius = radii::from_pilot(typical, asked, traced, wanted, wanted_paths);
             // The estimator of Lin and Wang remains that of the paper; reflections show their light in other places.
             let bounded = matches!(self.settings.estimator, Estimator::Radius { .. })
-                && is_shown(&self.settings, kind)
-                && place == MapPlace::Surface
+                && is_shown(&self.settings, kind, place)
+                && place.is_on_visible_surfaces()
                 && f64::from(radius) < footprint.most();
             let least =
                 if bounded && typical.is_some() { self.least_radius(&footprint, &built, &mut visible)? } else { 0.0 };

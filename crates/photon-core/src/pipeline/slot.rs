@@ -24,21 +24,27 @@ pub(super) struct MapSlot<B: Backend> {
 
 impl<B: Backend> MapSlot<B> {
     /// One slot per required map on surfaces, in order, then one for caustics in reflections and those of media, if there are
-    /// such stages; without memory, and all with the same radius.
-    pub(super) fn of(required: &PerMap<bool>, reflects: bool, has_media: bool, radius: f32) -> Vec<Self> {
+    /// such stages; without memory, and all with the same radius. `gathers`: by final gathering.
+    pub(super) fn of(
+        required: &PerMap<bool>,
+        reflects: bool,
+        (has_media, gathers): (bool, bool),
+        radius: f32,
+    ) -> Vec<Self> {
         let maps = || required.iter().filter(|(_, required)| **required).map(|(kind, _)| kind);
         // Light straight from a light source is found by shadow rays in media.
         let in_media = maps().filter(|&kind| has_media && kind != MapKind::Direct);
         let all = maps().map(|kind| (kind, MapPlace::Surface));
         let all = all.chain(reflects.then_some((MapKind::Caustic, MapPlace::Reflection)));
         let all = all.chain(in_media.map(|kind| (kind, MapPlace::Medium)));
+        let all = all.chain((has_media && gathers).then_some((MapKind::Global, MapPlace::FromMedium)));
         all.map(|(kind, place)| Self { kind, place, photons: None, capacity: 0, radius, derived: None }).collect()
     }
 
     /// Photon format of the map, where those on surfaces have `format`.
     pub(super) fn photon_format(&self, format: PhotonFormat) -> PhotonFormat {
         match self.place {
-            MapPlace::Surface => format,
+            MapPlace::Surface | MapPlace::FromMedium => format,
             MapPlace::Reflection | MapPlace::Medium => PhotonFormat::Full,
         }
     }
@@ -59,6 +65,7 @@ impl<B: Backend> MapSlot<B> {
             (MapPlace::Reflection, _) => "photons: caustic, reflected",
             (MapPlace::Medium, MapKind::Caustic) => "photons: caustic, in media",
             (MapPlace::Medium, _) => "photons: global, in media",
+            (MapPlace::FromMedium, _) => "photons: global, from media",
         }
     }
 }

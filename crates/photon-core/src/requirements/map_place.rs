@@ -10,9 +10,18 @@ pub enum MapPlace {
     Reflection,
     /// In media that scatter light, read along segments of camera paths: [`crate::MediaStages`].
     Medium,
+    /// On surfaces, those whose light was last scattered in a medium: final-gather rays do not find it, so that it is read where
+    /// camera paths end. They are in the map of all scattered light too.
+    FromMedium,
 }
 
 impl MapPlace {
+    /// Whether the photons are on surfaces, and read where camera paths end.
+    #[must_use]
+    pub const fn is_on_visible_surfaces(self) -> bool {
+        matches!(self, Self::Surface | Self::FromMedium)
+    }
+
     /// All places, in the order in which maps are built and read.
-    pub const ALL: [Self; 3] = [Self::Surface, Self::Reflection, Self::Medium];
+    pub const ALL: [Self; 4] = [Self::Surface, Self::Reflection, Self::Medium, Self::FromMedium];
 }

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use photon_core::{
-    Batch, Deposits, Estimate, EyeBuffers, Film, Layer, MapKind, Pass, PerMap, Photon, PhotonRay, QUERIES_PER_PIXEL,
-    Query, Requirements, Result, Stage, StageTimings, TransportBackend, View,
+    Batch, Deposits, Estimate, EyeBuffers, Film, Layer, MapKind, MediaDeposits, Pass, PerMap, Photon, PhotonRay,
+    QUERIES_PER_PIXEL, Query, Requirements, Result, Stage, StageTimings, TransportBackend, View,
 };
 use photon_scene::Scene;
 
@@ -162,7 +162,7 @@ impl<'s, B: TransportBackend> Studio<'s, B> {
             let mut deposits: Deposits<'_, B> = PerMap::default();
             deposits[MapKind::Caustic] = caustic.as_mut();
             deposits[MapKind::Global] = global.as_mut();
-            stages.tracer.trace(&mut self.on, &self.scene, &batch, rays, deposits, PerMap::default())?;
+            stages.tracer.trace(&mut self.on, &self.scene, &batch, rays, deposits, MediaDeposits::default())?;
             first = end;
         }
         self.on.mark(None);

@@ -17,7 +17,7 @@ pub use map::{EstimateBuffers, KdTreeBuilder, RadianceEstimator};
 pub use media::{BeamEstimator, BeamParams, MediaStages};
 pub use params::{EstimateParams, Search};
 pub use pass::{Batch, Pass, View};
-pub use photons::{Deposits, Emitter, Tracer};
+pub use photons::{Deposits, Emitter, MediaDeposits, Tracer};
 
 /// The stages that do not need a scene. Replace a field to use an implementation of your own.
 #[expect(missing_debug_implementations, reason = "boxed stages")]

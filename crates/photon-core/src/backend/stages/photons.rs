@@ -22,10 +22,10 @@ pub trait Tracer<B: TransportBackend>: Send {
     /// Traces `rays`, and appends a photon to one of `deposits` at each diffuse surface met, ordered by
     /// path, then bounce; of each photon the fields that the buffer stores.
     ///
-    /// On each stretch in a medium that scatters light it appends photons to one of `in_media`, in the same order, with the index
+    /// On each stretch in a medium that scatters light it appends photons to one of `in_media.inside`, in the same order, with the index
     /// of the medium as [`Photon::normal`]: their expected power is that of the light scattered there. Stretches that begin at a
     /// light source have none, so that the map of direct light stays empty. Aimed paths never collide, and lose what is
-    /// attenuated. [`Self::take_tally`] counts photons on surfaces only.
+    /// attenuated. [`Self::take_tally`] counts the photons of `deposits` only.
     ///
     /// # Errors
     /// Errors of the backend. A full buffer is not an error here; it shows in [`Backend::fill`].
@@ -36,7 +36,7 @@ pub trait Tracer<B: TransportBackend>: Send {
         batch: &Batch,
         rays: &B::Buffer<PhotonRay>,
         deposits: Deposits<'_, B>,
-        in_media: Deposits<'_, B>,
+        in_media: MediaDeposits<'_, B>,
     ) -> Result<()>;
 
     /// Counts and flux of all paths since the last call. Blocks.
@@ -54,3 +54,18 @@ pub trait Tracer<B: TransportBackend>: Send {
 
 /// The buffer for the photons of each map; `None` for a map that is not required.
 pub type Deposits<'a, B> = PerMap<Option<&'a mut <B as Backend>::Buffer<Photon>>>;
+
+/// The buffers for photons of light that media scatter.
+pub struct MediaDeposits<'a, B: Backend> {
+    /// For photons in media.
+    pub inside: Deposits<'a, B>,
+    /// For photons on surfaces whose light was last scattered in a medium, and has met only specular surfaces since; each is
+    /// in a map of all scattered light too.
+    pub onto_surfaces: Option<&'a mut B::Buffer<Photon>>,
+}
+
+impl<B: Backend> Default for MediaDeposits<'_, B> {
+    fn default() -> Self {
+        Self { inside: Deposits::<B>::default(), onto_surfaces: None }
+    }
+}

@@ -257,12 +257,20 @@ bool is_sampled_only(Path path) {
     return gloss_caustics_is_sampled_only(push.scene.lights[start.light].at.kind);
 }
 
+// Appends a photon, the `ordinal`-th of a path in the map with this number.
+void append(uint path, Photon photon, uint number, uint ordinal) {
+    uint place = counter_take(push.place);
+    if (place >= push.places) return;
+    push.photons[place].at = photon;
+    push.owners[place].at = uvec2(path, ordinal << MAP_BITS | number);
+}
+
 // Where a surface is met by a share of the photons, its coverage, each stands for the others too.
 void store(inout Path path, Surface at, vec3 power, float coverage) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
-    if ((WANTED >> map & 1u) == 0u) return;
-    uint ordinal = stored_in(path.stored, map);
-    uint place = counter_take(push.place);
+    bool stores = (WANTED >> map & 1u) != 0u;
+    bool from_medium = FROM_MEDIA && path.from_medium;
+    if (!stores && !from_medium) return;
     Photon photon;
     photon.position = at.point;
     photon.direction = octahedral_pack(-path.ray.direction);
@@ -271,20 +279,11 @@ void store(inout Path path, Surface at, vec3 power, float coverage) {
     }
     photon.power = RANDOM_SURFACES ? over(power, coverage) : power;
     photon.normal = octahedral_pack(at.normal);
-    if (place < push.places) {
-        push.photons[place].at = photon;
-        push.owners[place].at = uvec2(path.index, ordinal << MAP_BITS | map);
+    if (stores) {
+        append(path.index, photon, map, stored_in(path.stored, map));
+        [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? 1u : 0u;
     }
-    [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored[m] += map == m ? 1u : 0u;
-    if (FROM_MEDIA && path.from_medium) {
-        uint second = counter_take(push.place);
-        if (second < push.places) {
-            push.photons[second].at = photon;
-            push.owners[second].at =
-                uvec2(path.index, path.stored_in_media[MAP_DIRECT] << MAP_BITS | MAP_COUNT + MAP_DIRECT);
-        }
-        ++path.stored_in_media[MAP_DIRECT];
-    }
+    if (from_medium) append(path.index, photon, MAP_COUNT + MAP_DIRECT, path.stored_in_media[MAP_DIRECT]++);
 }
 
 // Whether the path's numbers are valid for continuing.

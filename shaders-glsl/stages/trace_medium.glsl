@@ -36,8 +36,6 @@ void deposit(inout Path path, uint index, float from, float to, float column, ui
     uvec4 words = medium_words(path.numbers, DOMAIN_DEPOSIT, block + path.bounce + path.collisions + AIMED_BLOCKS);
     float channel = unit_f32(words.x), start = unit_f32(words.y);
     for (uint number = 0u; number < count; ++number) {
-        uint place = counter_take(push.place);
-        if (place >= push.places) continue;
         precise float at = (float(number) + start) / float(count);
         // Rounding may give 1, which is infinitely far in a dense medium.
         at = min(at, LAST_PLACE);
@@ -48,8 +46,7 @@ void deposit(inout Path path, uint index, float from, float to, float column, ui
         photon.direction = octahedral_pack(-path.ray.direction);
         photon.power = power;
         photon.normal = index;
-        push.photons[place].at = photon;
-        push.owners[place].at = uvec2(path.index, (first + number) << MAP_BITS | MAP_COUNT + map);
+        append(path.index, photon, MAP_COUNT + map, first + number);
     }
     [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored_in_media[m] += map == m ? count : 0u;
 }

@@ -463,8 +463,9 @@ struct Store<'a> {
 impl Store<'_> {
     #[inline(always)]
     fn add(self, power: Vec3, tally: &mut Tally) {
-        let Some(photons) = self.target else { return };
-        tally.stored[self.kind] += 1;
+        if self.target.is_none() && self.second.is_none() {
+            return;
+        }
         let arriving = self.met.map_or(power, |(scene, hit)| power / scene.met_share(hit));
         let direction = octahedral::pack(self.wo);
         let photon = Photon {
@@ -473,7 +474,10 @@ impl Store<'_> {
             power: arriving.into(),
             direction: self.mark.map_or(direction, |marked| gloss_caustics::with_mark(direction, marked)),
         };
-        photons.push(photon);
+        if let Some(target) = self.target {
+            tally.stored[self.kind] += 1;
+            target.push(photon);
+        }
         if let Some(second) = self.second {
             second.push(photon);
         }

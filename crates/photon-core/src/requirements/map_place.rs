@@ -10,8 +10,8 @@ pub enum MapPlace {
     Reflection,
     /// In media that scatter light, read along segments of camera paths: [`crate::MediaStages`].
     Medium,
-    /// On surfaces, those whose light was last scattered in a medium: final-gather rays do not find it, so that it is read where
-    /// camera paths end. They are in the map of all scattered light too.
+    /// On surfaces, where light arrives that was last scattered in a medium: final-gather rays do not find it, so that it is read
+    /// where camera paths end. These photons are in the map of all scattered light too.
     FromMedium,
 }
 

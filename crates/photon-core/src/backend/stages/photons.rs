@@ -56,11 +56,13 @@ pub trait Tracer<B: TransportBackend>: Send {
 pub type Deposits<'a, B> = PerMap<Option<&'a mut <B as Backend>::Buffer<Photon>>>;
 
 /// The buffers for photons of light that media scatter.
+#[expect(missing_debug_implementations, reason = "buffers of a backend")]
+// Exhaustive: as `Stages`.
 pub struct MediaDeposits<'a, B: Backend> {
     /// For photons in media.
     pub inside: Deposits<'a, B>,
-    /// For photons on surfaces whose light was last scattered in a medium, and has met only specular surfaces since; each is
-    /// in a map of all scattered light too.
+    /// For the photons of [`crate::MapKind::Global`] on surfaces whose light was last scattered in a medium: since then it has met
+    /// only specular surfaces.
     pub onto_surfaces: Option<&'a mut B::Buffer<Photon>>,
 }
 

@@ -103,13 +103,18 @@ float grid_part_density(vec4 low, vec4 high, vec3 from, vec3 to, float share) {
     return grid_interpolate(low, high, at);
 }
 
-// The column of a first share of it: Simpson's rule, exact for a cubic.
-float grid_part_column(vec4 low, vec4 high, vec3 from, vec3 to, float far, float share) {
-    precise float middle = 0.5 * share;
-    precise float sum = grid_part_density(low, high, from, to, 0.0) + 4.0 * grid_part_density(low, high, from, to, middle)
-        + grid_part_density(low, high, from, to, share);
-    precise float column = far * share * (sum * (1.0 / 6.0));
+// The column of a part of a cell from the densities at its ends and in the middle: Simpson's rule, exact for a cubic.
+float grid_simpson(float first, float middle, float last, float far) {
+    precise float column = far * ((first + 4.0 * middle + last) * (1.0 / 6.0));
     return column;
+}
+
+// The column of a first share of it.
+float grid_part_column(vec4 low, vec4 high, vec3 from, vec3 to, float far, float share) {
+    float first = grid_part_density(low, high, from, to, 0.0);
+    float middle = grid_part_density(low, high, from, to, 0.5 * share);
+    precise float length = far * share;
+    return grid_simpson(first, middle, grid_part_density(low, high, from, to, share), length);
 }
 
 // The share that has a column: by Newton's steps, or halves where they leave the bracket.
@@ -132,20 +137,26 @@ float grid_part_share(vec4 low, vec4 high, vec3 from, vec3 to, float far, float 
 uint grid_turns = 0u;
 #endif
 
-// Goes along a line through the cells and bricks from one distance to another, until the column is `limit`: the column, and
-// the distance there.
-vec2 grid_walk(GridTables tables, Grid grid, GridLine line, float from, float to, float limit) {
-    // The part within the box.
+// The part of a line within the box of the grid; it ends before it starts where the line misses the box.
+vec2 grid_within_box(Grid grid, GridLine line, float from, float to) {
     vec3 low = grid_distances(vec3(0.5), line.origin, line.inverse);
     vec3 high = grid_distances(vec3(grid.cells) + 0.5, line.origin, line.inverse);
     vec3 near = min(low, high), far = max(low, high);
-    float t = max(max(near.x, max(near.y, near.z)), from);
-    float end = min(min(far.x, min(far.y, far.z)), to);
+    return vec2(max(max(near.x, max(near.y, near.z)), from), min(min(far.x, min(far.y, far.z)), to));
+}
+
+// Goes along a line through the cells and bricks from one distance to another, until the column is `limit`: the column, and
+// the distance there.
+vec2 grid_walk(GridTables tables, Grid grid, GridLine line, float from, float to, float limit) {
+    vec2 ends = grid_within_box(grid, line, from, to);
+    float t = ends.x, end = ends.y;
     precise float column = 0.0;
     float reached = min(t, to);
     if (!(t < end)) return vec2(column, reached);
     bvec3 forwards = greaterThan(line.inverse, vec3(0.0));
     ivec3 cell = grid_cell(grid, grid_along(line, t));
+    // The density at `t`, where a part has ended, which is continuous; negative before.
+    float density_here = -1.0;
     // Rounding may repeat a cell beside a brick that is crossed in one step.
     uint most = 2u * (grid.cells.x + grid.cells.y + grid.cells.z) + 16u;
     for (uint i = 0u; i < most; i++) {
@@ -168,12 +179,17 @@ vec2 grid_walk(GridTables tables, Grid grid, GridLine line, float from, float to
                 precise float at = t + (limit - column) / density;
                 return vec2(limit, clamp(at, t, next));
             }
+            density_here = density;
         } else {
             vec4 lower, upper;
             grid_corners(tables, brick, cell, lower, upper);
             vec3 enters = clamp(grid_along(line, t) - vec3(cell), vec3(0.0), vec3(1.0));
             vec3 leaves = clamp(grid_along(line, next) - vec3(cell), vec3(0.0), vec3(1.0));
-            part = grid_part_column(lower, upper, enters, leaves, length, 1.0);
+            if (density_here < 0.0) density_here = grid_interpolate(lower, upper, enters);
+            float middle = grid_part_density(lower, upper, enters, leaves, 0.5);
+            float there = grid_interpolate(lower, upper, leaves);
+            part = grid_simpson(density_here, middle, there, length);
+            density_here = there;
             if (part > 0.0 && column + part >= limit) {
                 precise float at = t + length * grid_part_share(lower, upper, enters, leaves, length, limit - column);
                 return vec2(limit, clamp(at, t, next));
@@ -190,19 +206,20 @@ vec2 grid_walk(GridTables tables, Grid grid, GridLine line, float from, float to
     return vec2(column, reached);
 }
 
-// The columns from the start of a segment to the ends of its even parts, from which those to all places follow exactly by a
-// walk within one part: Columns of photon-core, whose knots are those of one segment for each invocation.
+// The columns along a part of a ray up to the ends of its even parts within the grid, from which those to all places follow
+// exactly by a walk within one part: Columns of photon-core, whose knots are those of one ray for each invocation.
 struct Columns {
     GridTables tables;
     Grid grid;
     GridLine line;
+    float start;
     float step;
 };
 
 float columns_knots[GRIDS ? GRID_KNOTS + 1u : 1u];
 
-vec2 columns_part(float step, uint part) {
-    precise vec2 ends = vec2(float(part) * step, float(part + 1u) * step);
+vec2 columns_part(float start, float step, uint part) {
+    precise vec2 ends = vec2(start + float(part) * step, start + float(part + 1u) * step);
     return ends;
 }
 
@@ -211,16 +228,22 @@ float columns_sum(float a, float b) {
     return sum;
 }
 
-// Of a segment of `length` > 0.
-Columns columns_new(GridTables tables, Grid grid, vec3 origin, vec3 direction, float length) {
-    float step = length / float(GRID_KNOTS);
-    Columns columns = Columns(tables, grid, grid_line(grid, origin, direction), step);
+// Of a ray from one distance to another.
+Columns columns_new(GridTables tables, Grid grid, vec3 origin, vec3 direction, float from, float to) {
+    GridLine line = grid_line(grid, origin, direction);
+    vec2 ends = grid_within_box(grid, line, from, to);
+    precise float step = (ends.y - ends.x) / float(GRID_KNOTS);
+    Columns columns = Columns(tables, grid, line, ends.x, step);
+    // The ray may miss the grid.
+    bool misses = !(ends.x < ends.y);
     float column = 0.0;
     columns_knots[0] = 0.0;
     for (uint part = 0u; part < GRID_KNOTS; part++) {
-        vec2 ends = columns_part(step, part);
-        float walked = grid_walk(tables, grid, columns.line, ends.x, ends.y, GRID_NO_LIMIT).x;
-        column = columns_sum(column, walked);
+        if (!misses) {
+            vec2 ends = columns_part(columns.start, columns.step, part);
+            float walked = grid_walk(tables, grid, columns.line, ends.x, ends.y, GRID_NO_LIMIT).x;
+            column = columns_sum(column, walked);
+        }
         columns_knots[part + 1u] = column;
     }
     return columns;
@@ -228,25 +251,31 @@ Columns columns_new(GridTables tables, Grid grid, vec3 origin, vec3 direction, f
 
 float columns_total() { return columns_knots[GRID_KNOTS]; }
 
-// The column from its start to a distance.
+// The part of the ray that a distance is in.
+uint columns_part_of(float start, float step, float distance) {
+    precise float at = (distance - start) / step;
+    return uint(clamp(at, 0.0, float(GRID_KNOTS - 1u)));
+}
+
+// The column from its start to a distance of the ray.
 float columns_to(Columns columns, float distance) {
-    uint part = uint(clamp(distance / columns.step, 0.0, float(GRID_KNOTS - 1u)));
-    vec2 ends = columns_part(columns.step, part);
+    uint part = columns_part_of(columns.start, columns.step, distance);
+    vec2 ends = columns_part(columns.start, columns.step, part);
     float end = min(distance, ends.y);
     float walked = grid_walk(columns.tables, columns.grid, columns.line, ends.x, end, GRID_NO_LIMIT).x;
     return columns_sum(columns_knots[part], walked);
 }
 
-// The density at a distance from its start.
+// The density at a distance of the ray.
 float columns_density(Columns columns, float distance) {
     return grid_density_at(columns.tables, columns.grid, grid_along(columns.line, distance));
 }
 
-// The distance from its start within which it has a column.
+// The distance of the ray up to which it has a column.
 float columns_place(Columns columns, float column) {
     uint part = 0u;
     while (part + 1u < GRID_KNOTS && columns_knots[part + 1u] < column) part++;
-    vec2 ends = columns_part(columns.step, part);
+    vec2 ends = columns_part(columns.start, columns.step, part);
     float rest = columns_sum(column, -columns_knots[part]);
     return grid_walk(columns.tables, columns.grid, columns.line, ends.x, ends.y, rest).y;
 }

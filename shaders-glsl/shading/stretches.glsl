@@ -104,14 +104,6 @@ float stretch_column(SceneRef scene, uint medium, Ray ray, float from, float to)
     return grid_walk(tables, grid, grid_line(grid, ray.origin, ray.direction), from, to, GRID_NO_LIMIT).x;
 }
 
-// Distance from the origin of a ray within which the part of it between two distances has a column.
-float stretch_place(SceneRef scene, uint medium, Ray ray, float from, float to, float column) {
-    if (!has_grid(scene, medium)) return from + column;
-    GridTables tables = scene.grids;
-    Grid grid = tables.grids[medium].at;
-    return grid_walk(tables, grid, grid_line(grid, ray.origin, ray.direction), from, to, column).y;
-}
-
 // Transmittance per channel of the part of a ray between two distances, in the medium with this index.
 vec3 stretch_transmittance(SceneRef scene, uint medium, Ray ray, float from, float to) {
     float column = stretch_column(scene, medium, ray, from, to);

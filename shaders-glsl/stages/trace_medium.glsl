@@ -25,9 +25,18 @@ const uint MOST_STRETCHES = 0x1FFFu;
 // Largest number below 1.
 const float LAST_PLACE = 0.99999994;
 
-// Leaves the photons of the part of a ray between two distances, with a column > 0, in the medium with this index: several where
-// the light may be focused. `block` is that of its random numbers, less the number of the event.
-void deposit(inout Path path, uint index, float from, float to, float column, uint block) {
+// Whether the medium of the part of a ray that is crossed has a grid of densities, and then its columns.
+bool sees_grid = false;
+Columns columns;
+
+// The point of a ray where the part of it from a distance on has a column.
+vec3 point_of(Ray ray, float from, float column) {
+    return along(ray, sees_grid ? columns_place(columns, column) : from + column);
+}
+
+// Leaves the photons of the part of a ray from a distance on, with a column > 0, in the medium with this index: several where the
+// light may be focused. `block` is that of its random numbers, less the number of the event.
+void deposit(inout Path path, uint index, float from, float column, uint block) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED_IN_MEDIA >> map & 1u) == 0u) return;
     Medium medium = push.scene.media[index].at;
@@ -42,7 +51,7 @@ void deposit(inout Path path, uint index, float from, float to, float column, ui
         Photon photon;
         vec3 power;
         float within = flight_deposit(medium, path.power, column, count, channel, at, power);
-        photon.position = along(path.ray, stretch_place(push.scene, index, path.ray, from, to, within));
+        photon.position = point_of(path.ray, from, within);
         photon.direction = octahedral_pack(-path.ray.direction);
         photon.power = power;
         photon.normal = index;
@@ -63,9 +72,15 @@ const uint CROSSING_THINNED = 3u;
 uint cross_medium(inout Path path, uint media, uint index, float from, float to, uint block) {
     Medium medium = push.scene.media[index].at;
     uint event = path.bounce + path.collisions;
-    float column = stretch_column(push.scene, index, path.ray, from, to);
+    float column = to - from;
+    sees_grid = has_grid(push.scene, index);
+    if (sees_grid) {
+        GridTables tables = push.scene.grids;
+        columns = columns_new(tables, tables.grids[index].at, path.ray.origin, path.ray.direction, from, to);
+        column = columns_total();
+    }
     // Shadow rays find light that comes straight from a light source.
-    if (IN_MEDIA && event > 0u && column > 0.0) deposit(path, index, from, to, column, block);
+    if (IN_MEDIA && event > 0u && column > 0.0) deposit(path, index, from, column, block);
     if (AIMED) {
         path.power = photon_times(path.power, medium_transmittance(medium, column));
         return CROSSING_PASSES;
@@ -77,8 +92,7 @@ uint cross_medium(inout Path path, uint media, uint index, float from, float to,
     if (!flight.collides) return CROSSING_PASSES;
     uvec4 turn = medium_words(path.numbers, DOMAIN_FLIGHT, block + 2u * event + 1u);
     vec3 direction = phase_sample(phase_of(medium), path.ray.direction, unit_f32(turn.x), unit_f32(turn.y));
-    float place = stretch_place(push.scene, index, path.ray, from, to, flight.distance);
-    path.ray = Ray(along(path.ray, place), direction, NO_LIMIT);
+    path.ray = Ray(point_of(path.ray, from, flight.distance), direction, NO_LIMIT);
     path.media = media;
     path.specular_only = false;
     path.from_medium = true;

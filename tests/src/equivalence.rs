@@ -221,6 +221,8 @@ pub fn alpha_is_the_same<A: TestBackend, B: TestBackend>() {
                 indirect: Indirect::Gather,
                 gather_rays: 2,
                 area: Area::Surface,
+                // Without points of irradiance: a path more or less, of different rounding, has others at every fourth photon.
+                errors: true,
                 ..Settings::default()
             },
         ),

@@ -172,20 +172,18 @@ impl CpuScene {
         }
     }
 
-    /// Distance from the origin of a ray within which a part of it has a column.
+    /// The columns along a part of a ray; `None` where the medium is homogeneous.
     #[inline]
-    pub(crate) fn place(&self, ray: &Ray, stretch: &Stretch, column: f32) -> f32 {
-        match self.grids.view().of(stretch.medium) {
-            None => stretch.from + column,
-            Some(density) => density.place(ray.origin, ray.direction, [stretch.from, stretch.to], column),
-        }
+    pub(crate) fn columns(&self, ray: &Ray, stretch: &Stretch) -> Option<Columns<'_>> {
+        let density = self.grids.view().of(stretch.medium)?;
+        Some(Columns::new(density, ray.origin, ray.direction, [stretch.from, stretch.to]))
     }
 
     /// The columns along a segment in the medium with this index; `None` if it is homogeneous.
     #[inline]
-    pub(crate) fn columns(&self, segment: &Segment, medium: u32) -> Option<Columns<'_>> {
+    pub(crate) fn columns_of_segment(&self, segment: &Segment, medium: u32) -> Option<Columns<'_>> {
         let density = self.grids.view().of(medium)?;
-        Some(Columns::new(density, segment.origin, segment.direction, segment.length))
+        Some(Columns::new(density, segment.origin, segment.direction, [0.0, segment.length]))
     }
 
     /// Transmittance per channel of a part of a ray.

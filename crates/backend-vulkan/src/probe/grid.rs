@@ -48,7 +48,7 @@ pub(super) fn rows() -> Vec<Row> {
         }),
         row("grid_columns", 2, |i| {
             let (origin, direction, [_, to]) = ray(i);
-            let columns = Columns::new(density(), origin, direction, to);
+            let columns = Columns::new(density(), origin, direction, [0.0, to]);
             let place = columns.place(columns.total() * i.float(8));
             output([columns.to(to * i.float(8)), columns.to(place), columns.total()])
         }),

@@ -17,7 +17,7 @@ use bytemuck::Zeroable;
 
 /// Version of the numerics, which stored films record: raised with each change that alters the bits of passes (*Numerics*
 /// in the changelog), so that films of two versions are not merged.
-pub const NUMERICS: u32 = 12;
+pub const NUMERICS: u32 = 13;
 
 /// The layers of a picture. Each light path belongs to exactly one; their sum is the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

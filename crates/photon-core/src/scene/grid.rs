@@ -175,20 +175,24 @@ impl Density<'_> {
         Brick::Stored(&self.densities[start..start + BRICK_NODES])
     }
 
+    /// The part of a line within the box of the grid; it ends before it starts where the line misses the box.
+    fn within_box(&self, line: &Line, [from, to]: [f32; 2]) -> [f32; 2] {
+        let last = Vec3::from(self.grid.cells.map(|cells| cells as f32 + 0.5));
+        let [low, high] = [Vec3::splat(0.5), last].map(|edge| (edge - line.origin) * line.inverse);
+        [low.min(high).max_element().max(from), low.max(high).min_element().min(to)]
+    }
+
     /// Goes along a line through the cells and bricks from one distance to another, until the column is `limit`: the column,
     /// and the distance there.
     fn walk(&self, line: &Line, [from, to]: [f32; 2], limit: f32) -> (f32, f32) {
-        let last = self.grid.cells.map(|cells| cells as f32 + 0.5);
-        // The part within the box.
-        let low = (Vec3::splat(0.5) - line.origin) * line.inverse;
-        let high = (Vec3::from(last) - line.origin) * line.inverse;
-        let mut t = low.min(high).max_element().max(from);
-        let end = low.max(high).min_element().min(to);
+        let [mut t, end] = self.within_box(line, [from, to]);
         let (mut column, mut reached) = (0.0_f32, t.min(to));
         if !(t < end) {
             return (column, reached);
         }
         let mut cell = self.cell(line.origin + line.direction * t);
+        // The density at `t`, where a part has ended: it is continuous.
+        let mut density_here = None;
         // Rounding may repeat a cell beside a brick that is crossed in one step.
         let most = 2 * self.grid.cells.iter().sum::<u32>() + 16;
         for _ in 0..most {
@@ -211,13 +215,17 @@ impl Density<'_> {
                     if part > 0.0 && column + part >= limit {
                         return (limit, (t + (limit - column) / density).clamp(t, next));
                     }
+                    density_here = Some(density);
                     part
                 }
                 Brick::Stored(nodes) => {
                     let base = Vec3::from(cell.map(|c| c as f32));
                     let within = |t: f32| (line.origin + line.direction * t - base).clamp(Vec3::ZERO, Vec3::ONE);
                     let along = Part { corners: corners(nodes, cell), from: within(t), to: within(next), length };
-                    let part = along.column(1.0);
+                    let enters = density_here.unwrap_or_else(|| interpolate(&along.corners, along.from));
+                    let leaves = interpolate(&along.corners, along.to);
+                    let part = simpson(enters, along.density(0.5), leaves, length);
+                    density_here = Some(leaves);
                     if part > 0.0 && column + part >= limit {
                         return (limit, (t + length * along.share(limit - column)).clamp(t, next));
                     }
@@ -260,10 +268,9 @@ impl Part {
         interpolate(&self.corners, self.from + (self.to - self.from) * share)
     }
 
-    /// The column of a first share of it: Simpson's rule, exact for a cubic.
+    /// The column of a first share of it.
     fn column(&self, share: f32) -> f32 {
-        let sum = self.density(0.0) + 4.0 * self.density(0.5 * share) + self.density(share);
-        self.length * share * (sum * (1.0 / 6.0))
+        simpson(self.density(0.0), self.density(0.5 * share), self.density(share), self.length * share)
     }
 
     /// The share that has a column: by Newton's steps, or halves where they leave the bracket.
@@ -283,6 +290,12 @@ impl Part {
         }
         share
     }
+}
+
+/// The column of a part of a cell from the densities at its ends and in the middle: Simpson's rule, exact for a cubic.
+#[inline(always)]
+fn simpson(first: f32, middle: f32, last: f32, length: f32) -> f32 {
+    length * ((first + 4.0 * middle + last) * (1.0 / 6.0))
 }
 
 /// The densities at the corners of a cell, x fastest.

@@ -4,7 +4,9 @@ use photon_core::flight::{self, FOCUSED_DEPOSITS, Flight};
 use photon_core::glam::Vec3;
 use photon_core::phase::Phase;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{MapKind, MediumStack, Pass, PerMap, Photon, PhotonRay, RandomKind, Ray, octahedral};
+use photon_core::{
+    Columns, MapKind, Medium, MediumStack, Pass, PerMap, Photon, PhotonRay, RandomKind, Ray, octahedral,
+};
 
 use super::{PhotonList, Walk};
 use crate::stretches::Stretch;
@@ -97,11 +99,23 @@ impl MediumWalk {
     ) -> Crossing {
         let Flown { ray, bounce, specular_only, .. } = *flown;
         let event = bounce + self.collisions;
-        let (medium, column) = (walk.scene.medium_at(stretch.medium), walk.scene.column(&ray, stretch));
+        let medium = walk.scene.medium_at(stretch.medium);
+        let columns = walk.scene.columns(&ray, stretch);
+        let column = columns.as_ref().map_or(stretch.to - stretch.from, Columns::total);
+        let point = |within: f32| {
+            let distance = columns.as_ref().map_or(stretch.from + within, |columns| columns.place(within));
+            ray.origin + ray.direction * distance
+        };
         // Shadow rays find light that comes straight from a light source.
         let kind = MapKind::of_path(specular_only, bounce);
         if event > 0 && walk.wanted_in_media[kind] && column > 0.0 {
-            self.deposit(walk, (flown, stretch, block), column, *power, &mut photons[kind]);
+            let deposited = self.deposited(medium, (flown, block), column, *power);
+            photons[kind].extend(deposited.map(|(within, power)| Photon {
+                position: point(within).into(),
+                normal: stretch.medium,
+                power: power.into(),
+                direction: octahedral::pack(-ray.direction),
+            }));
         }
         if self.is_aimed {
             *power *= flight::transmittance(medium, column);
@@ -122,7 +136,7 @@ impl MediumWalk {
         let [u, v, ..] = self.flights.words(block + 2 * event + 1);
         let direction = Phase::of(medium).sample(ray.direction, [u, v].map(unit_f32));
         self.collisions += 1;
-        let origin = ray.origin + ray.direction * walk.scene.place(&ray, stretch, found.distance);
+        let origin = point(found.distance);
         // The medium around everything has no bounds.
         if stretch.medium == 0 {
             let left = flight::thinned(*power, self.start, origin, unit_f32(thinning));
@@ -134,30 +148,22 @@ impl MediumWalk {
         Crossing::Collides(Ray { origin, direction, t_max: f32::INFINITY })
     }
 
-    /// Leaves the photons of a stretch with a column > 0: several where the light may be focused.
-    fn deposit(
-        &mut self,
-        walk: &Walk<'_>,
-        (flown, stretch, block): (&Flown, &Stretch, u32),
+    /// The columns and powers of the photons of a stretch with a column > 0: several where the light may be focused.
+    fn deposited<'m>(
+        &self,
+        medium: &'m Medium,
+        (flown, block): (&Flown, u32),
         column: f32,
         power: Vec3,
-        photons: &mut PhotonList,
-    ) {
-        let Flown { ray, bounce, specular_only, .. } = *flown;
-        let medium = walk.scene.medium_at(stretch.medium);
-        let count = if specular_only { FOCUSED_DEPOSITS } else { 1 };
-        let block = block + bounce + self.collisions + if self.is_aimed { AIMED_BLOCKS } else { 0 };
-        let [channel, place, ..] = self.deposits.words(block).map(unit_f32);
-        for number in 0..count {
+    ) -> impl Iterator<Item = (f32, Vec3)> + 'm {
+        let count = if flown.specular_only { FOCUSED_DEPOSITS } else { 1 };
+        let block = block + flown.bounce + self.collisions + if self.is_aimed { AIMED_BLOCKS } else { 0 };
+        let mut deposits = self.deposits;
+        let [channel, place, ..] = deposits.words(block).map(unit_f32);
+        (0..count).map(move |number| {
             // Rounding may give 1, which is infinitely far in a dense medium.
             let place = ((number as f32 + place) / count as f32).min(LAST_PLACE);
-            let (within, left) = flight::deposit(medium, power, column, count, [channel, place]);
-            photons.push(Photon {
-                position: (ray.origin + ray.direction * walk.scene.place(&ray, stretch, within)).into(),
-                normal: stretch.medium,
-                power: left.into(),
-                direction: octahedral::pack(-ray.direction),
-            });
-        }
+            flight::deposit(medium, power, column, count, [channel, place])
+        })
     }
 }

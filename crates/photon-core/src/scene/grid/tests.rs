@@ -166,7 +166,7 @@ fn places_are_those_of_their_columns() {
                 );
             }
             let start = origin + direction * from;
-            let columns = Columns::new(density, start, direction, to - from);
+            let columns = Columns::new(density, start, direction, [0.0, to - from]);
             assert!((columns.total() - all).abs() <= 2e-5, "{} {all}", columns.total());
             for share in [0.0, 0.21, 0.5, 0.77, 1.0] {
                 let at = share * (to - from);

@@ -33,7 +33,7 @@ Output probe(vec4 a, vec4 b, vec4 c, Input words) {
         float place = grid_walk(tables, grid, line, a.w, b.w, product(column, c.x)).y;
         return floats(vec4(grid_walk(tables, grid, line, a.w, place, GRID_NO_LIMIT).x, 0.0, 0.0, 0.0), vec4(0.0));
     }
-    Columns columns = columns_new(tables, grid, a.xyz, b.xyz, 0.0, b.w);
+    Columns columns = columns_new(tables, grid, a.xyz, b.xyz, b.w);
     float part = columns_to(columns, columns_place(columns, product(columns_total(), c.x)));
     return floats(vec4(columns_to(columns, product(b.w, c.x)), part, columns_total(), 0.0), vec4(0.0));
 }

@@ -173,7 +173,7 @@ void main() {
         if (sees_grid) {
             GridTables tables = scene.grids;
             Grid grid = tables.grids[index_of_medium].at;
-            columns = columns_new(tables, grid, at, segment.direction, 0.0, segment.far);
+            columns = columns_new(tables, grid, at, segment.direction, segment.far);
         }
         phase = phase_of(medium);
         precise float wanted = push.queries[index].at.radius * push.radius;

@@ -207,6 +207,7 @@ const uint GRID_BRICK = 8u;
 const uint GRID_NODES = 9u;
 const uint GRID_STORED = 2147483648u;
 const uint GRID_ROOT_STEPS = 16u;
+const float GRID_THICK = 8.0;
 const uint GRID_KNOTS = 32u;
 
 // offset.

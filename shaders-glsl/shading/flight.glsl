@@ -6,6 +6,9 @@
 #include "shading/layout.glsl"
 #include "shading/math.glsl"
 
+// The length of a flight that meets nothing.
+const float FLIGHT_ENDLESS = 3.402823466e38;
+
 vec3 flight_sum(vec3 a, vec3 b) {
     precise vec3 sum = a + b;
     return sum;
@@ -67,17 +70,22 @@ struct Flight {
     float albedo;
 };
 
-// A flight of `power` through a medium, whose stretch ends at distance `end`.
-Flight flight_sample(Medium medium, vec3 power, float end, float u, float v) {
-    vec3 extinction = medium_extinction(medium), scattering = medium.scattering;
-    vec3 shares = flight_shares(power);
-    float coefficient = flight_of(extinction, flight_channel(shares, u));
+// The length of a flight of `power` through a medium up to a collision.
+float flight_length(Medium medium, vec3 power, float u, float v) {
+    float coefficient = flight_of(medium_extinction(medium), flight_channel(flight_shares(power), u));
     precise float far = minus_ln_one_minus(v) / coefficient;
     // A coefficient of 0 would give infinity, or NaN.
-    if (!(coefficient > 0.0) || !(far < end)) {
-        vec3 left = flight_relative(flight_depth(extinction, end));
+    return coefficient > 0.0 ? far : FLIGHT_ENDLESS;
+}
+
+// The end of a flight at the distance `far`: a collision, or the end of its stretch.
+Flight flight_ended(Medium medium, vec3 power, bool collides, float far) {
+    vec3 extinction = medium_extinction(medium), scattering = medium.scattering;
+    vec3 shares = flight_shares(power);
+    if (!collides) {
+        vec3 left = flight_relative(flight_depth(extinction, far));
         precise vec3 passed = power * left / dot3(shares, left);
-        return Flight(false, end, passed, 1.0);
+        return Flight(false, far, passed, 1.0);
     }
     vec3 left = flight_relative(flight_depth(extinction, far));
     precise vec3 density = extinction * left;
@@ -85,6 +93,12 @@ Flight flight_sample(Medium medium, vec3 power, float end, float u, float v) {
     precise float albedo = clamp(flight_total(scattered) / flight_total(power), 0.0, 1.0);
     precise vec3 survivors = scattered / albedo;
     return Flight(true, far, albedo > 0.0 ? survivors : vec3(0.0), albedo);
+}
+
+// A flight of `power` through a medium, whose stretch ends at distance `end`.
+Flight flight_sample(Medium medium, vec3 power, float end, float u, float v) {
+    float far = flight_length(medium, power, u, v);
+    return flight_ended(medium, power, far < end, min(far, end));
 }
 
 // Probability of a collision of one channel, and the density of places at the start.

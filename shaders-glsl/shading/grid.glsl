@@ -97,6 +97,16 @@ float grid_density(GridTables tables, Grid grid, vec3 point) {
     return grid_density_at(tables, grid, grid_node(grid, vec4(point, 1.0)));
 }
 
+// Whether all channels of a medium have an optical depth above GRID_THICK across the grid, were it full.
+bool grid_is_thick(Grid grid, vec3 extinction) {
+    float least = min(min(extinction.x, extinction.y), extinction.z);
+    precise vec3 across = least * vec3(grid.cells);
+    precise vec3 squared = across * across;
+    vec3 rows = vec3(dot3(grid.x.xyz, grid.x.xyz), dot3(grid.y.xyz, grid.y.xyz), dot3(grid.z.xyz, grid.z.xyz));
+    precise vec3 bound = GRID_THICK * GRID_THICK * rows;
+    return all(greaterThan(squared, bound));
+}
+
 // A line through a cell, between two places as shares of the cell.
 float grid_part_density(vec4 low, vec4 high, vec3 from, vec3 to, float share) {
     precise vec3 at = from + (to - from) * share;
@@ -206,20 +216,19 @@ vec2 grid_walk(GridTables tables, Grid grid, GridLine line, float from, float to
     return vec2(column, reached);
 }
 
-// The columns along a part of a ray up to the ends of its even parts within the grid, from which those to all places follow
-// exactly by a walk within one part: Columns of photon-core, whose knots are those of one ray for each invocation.
+// The columns from the start of a segment to the ends of its even parts, from which those to all places follow exactly by a
+// walk within one part: Columns of photon-core, whose knots are those of one segment for each invocation.
 struct Columns {
     GridTables tables;
     Grid grid;
     GridLine line;
-    float start;
     float step;
 };
 
 float columns_knots[GRIDS ? GRID_KNOTS + 1u : 1u];
 
-vec2 columns_part(float start, float step, uint part) {
-    precise vec2 ends = vec2(start + float(part) * step, start + float(part + 1u) * step);
+vec2 columns_part(float step, uint part) {
+    precise vec2 ends = vec2(float(part) * step, float(part + 1u) * step);
     return ends;
 }
 
@@ -228,22 +237,16 @@ float columns_sum(float a, float b) {
     return sum;
 }
 
-// Of a ray from one distance to another.
-Columns columns_new(GridTables tables, Grid grid, vec3 origin, vec3 direction, float from, float to) {
-    GridLine line = grid_line(grid, origin, direction);
-    vec2 ends = grid_within_box(grid, line, from, to);
-    precise float step = (ends.y - ends.x) / float(GRID_KNOTS);
-    Columns columns = Columns(tables, grid, line, ends.x, step);
-    // The ray may miss the grid.
-    bool misses = !(ends.x < ends.y);
+// Of a segment of `length` > 0.
+Columns columns_new(GridTables tables, Grid grid, vec3 origin, vec3 direction, float length) {
+    float step = length / float(GRID_KNOTS);
+    Columns columns = Columns(tables, grid, grid_line(grid, origin, direction), step);
     float column = 0.0;
     columns_knots[0] = 0.0;
     for (uint part = 0u; part < GRID_KNOTS; part++) {
-        if (!misses) {
-            vec2 ends = columns_part(columns.start, columns.step, part);
-            float walked = grid_walk(tables, grid, columns.line, ends.x, ends.y, GRID_NO_LIMIT).x;
-            column = columns_sum(column, walked);
-        }
+        vec2 ends = columns_part(step, part);
+        float walked = grid_walk(tables, grid, columns.line, ends.x, ends.y, GRID_NO_LIMIT).x;
+        column = columns_sum(column, walked);
         columns_knots[part + 1u] = column;
     }
     return columns;
@@ -251,31 +254,25 @@ Columns columns_new(GridTables tables, Grid grid, vec3 origin, vec3 direction, f
 
 float columns_total() { return columns_knots[GRID_KNOTS]; }
 
-// The part of the ray that a distance is in.
-uint columns_part_of(float start, float step, float distance) {
-    precise float at = (distance - start) / step;
-    return uint(clamp(at, 0.0, float(GRID_KNOTS - 1u)));
-}
-
-// The column from its start to a distance of the ray.
+// The column from its start to a distance.
 float columns_to(Columns columns, float distance) {
-    uint part = columns_part_of(columns.start, columns.step, distance);
-    vec2 ends = columns_part(columns.start, columns.step, part);
+    uint part = uint(clamp(distance / columns.step, 0.0, float(GRID_KNOTS - 1u)));
+    vec2 ends = columns_part(columns.step, part);
     float end = min(distance, ends.y);
     float walked = grid_walk(columns.tables, columns.grid, columns.line, ends.x, end, GRID_NO_LIMIT).x;
     return columns_sum(columns_knots[part], walked);
 }
 
-// The density at a distance of the ray.
+// The density at a distance from its start.
 float columns_density(Columns columns, float distance) {
     return grid_density_at(columns.tables, columns.grid, grid_along(columns.line, distance));
 }
 
-// The distance of the ray up to which it has a column.
+// The distance from its start within which it has a column.
 float columns_place(Columns columns, float column) {
     uint part = 0u;
     while (part + 1u < GRID_KNOTS && columns_knots[part + 1u] < column) part++;
-    vec2 ends = columns_part(columns.start, columns.step, part);
+    vec2 ends = columns_part(columns.step, part);
     float rest = columns_sum(column, -columns_knots[part]);
     return grid_walk(columns.tables, columns.grid, columns.line, ends.x, ends.y, rest).y;
 }

@@ -104,6 +104,19 @@ float stretch_column(SceneRef scene, uint medium, Ray ray, float from, float to)
     return grid_walk(tables, grid, grid_line(grid, ray.origin, ray.direction), from, to, GRID_NO_LIMIT).x;
 }
 
+// Goes along a ray from one distance to another until the column is `limit`: the column, and the distance there; all of it, if that
+// is less.
+vec2 stretch_until(SceneRef scene, uint medium, Ray ray, float from, float to, float limit) {
+    if (!has_grid(scene, medium)) {
+        precise float far = to - from;
+        precise float there = from + limit;
+        return limit < far ? vec2(limit, there) : vec2(far, to);
+    }
+    GridTables tables = scene.grids;
+    Grid grid = tables.grids[medium].at;
+    return grid_walk(tables, grid, grid_line(grid, ray.origin, ray.direction), from, to, limit);
+}
+
 // Transmittance per channel of the part of a ray between two distances, in the medium with this index.
 vec3 stretch_transmittance(SceneRef scene, uint medium, Ray ray, float from, float to) {
     float column = stretch_column(scene, medium, ray, from, to);

@@ -188,7 +188,7 @@ void main() {
     if (sees_grid) {
         GridTables tables = push.scene.grids;
         Grid grid = tables.grids[medium].at;
-        columns = columns_new(tables, grid, segment.origin, segment.direction, 0.0, segment.far);
+        columns = columns_new(tables, grid, segment.origin, segment.direction, segment.far);
         // Nothing is scattered there.
         if (!(columns_total() > 0.0)) end_ray = push.start_ray;
     }

@@ -25,37 +25,56 @@ const uint MOST_STRETCHES = 0x1FFFu;
 // Largest number below 1.
 const float LAST_PLACE = 0.99999994;
 
-// Whether the medium of the part of a ray that is crossed has a grid of densities, and then its columns.
-bool sees_grid = false;
-Columns columns;
-
-// The point of a ray where the part of it from a distance on has a column.
-vec3 point_of(Ray ray, float from, float column) {
-    return along(ray, sees_grid ? columns_place(columns, column) : from + column);
+// Appends a photon of a map in the medium with this index; they are counted by the caller.
+void store_in_medium(Path path, uint map, uint index, float distance, vec3 power, uint ordinal) {
+    Photon photon;
+    photon.position = along(path.ray, distance);
+    photon.direction = octahedral_pack(-path.ray.direction);
+    photon.power = power;
+    photon.normal = index;
+    append(path.index, photon, MAP_COUNT + map, ordinal);
 }
 
-// Leaves the photons of the part of a ray from a distance on, with a column > 0, in the medium with this index: several where the
-// light may be focused. `block` is that of its random numbers, less the number of the event.
-void deposit(inout Path path, uint index, float from, float column, uint block) {
+float column_sum(float a, float b) {
+    precise float sum = a + b;
+    return sum;
+}
+
+// Leaves the photons of the part of a ray between two distances, in the medium with this index, whose flight reached a column and a
+// distance, in `reached`: several where the light may be focused. `block` is that of its random numbers, less the number of the
+// event.
+void deposit(inout Path path, uint index, Medium medium, float from, float to, vec2 reached, Flight flight, uint block) {
     uint map = !path.specular_only ? MAP_GLOBAL : path.bounce > 0u ? MAP_CAUSTIC : MAP_DIRECT;
     if ((WANTED_IN_MEDIA >> map & 1u) == 0u) return;
-    Medium medium = push.scene.media[index].at;
-    uint count = path.specular_only ? FLIGHT_FOCUSED_DEPOSITS : 1u;
     uint first = stored_in(path.stored_in_media, map);
-    uvec4 words = medium_words(path.numbers, DOMAIN_DEPOSIT, block + path.bounce + path.collisions + AIMED_BLOCKS);
-    float channel = unit_f32(words.x), start = unit_f32(words.y);
-    for (uint number = 0u; number < count; ++number) {
-        precise float at = (float(number) + start) / float(count);
-        // Rounding may give 1, which is infinitely far in a dense medium.
-        at = min(at, LAST_PLACE);
-        Photon photon;
-        vec3 power;
-        float within = flight_deposit(medium, path.power, column, count, channel, at, power);
-        photon.position = point_of(path.ray, from, within);
-        photon.direction = octahedral_pack(-path.ray.direction);
-        photon.power = power;
-        photon.normal = index;
-        append(path.index, photon, MAP_COUNT + map, first + number);
+    uint count = path.specular_only ? FLIGHT_FOCUSED_DEPOSITS : 1u;
+    bool sees_grid = has_grid(push.scene, index);
+    if (sees_grid && !path.specular_only && grid_is_thick(push.scene.grids.grids[index].at, medium_extinction(medium))) {
+        if (!flight.collides) return;
+        store_in_medium(path, map, index, reached.y, photon_times(flight.power, vec3(flight.albedo)), first);
+    } else {
+        // Walks through a grid go on where the flight ended.
+        vec2 before = flight.collides && sees_grid ? reached : vec2(0.0, from);
+        float column = reached.x;
+        if (flight.collides) {
+            float rest = stretch_until(push.scene, index, path.ray, before.y, to, FLIGHT_ENDLESS).x;
+            column = column_sum(before.x, rest);
+        }
+        if (!(column > 0.0)) return;
+        uvec4 words = medium_words(path.numbers, DOMAIN_DEPOSIT, block + path.bounce + path.collisions + AIMED_BLOCKS);
+        float channel = unit_f32(words.x), start = unit_f32(words.y);
+        for (uint number = 0u; number < count; ++number) {
+            precise float at = (float(number) + start) / float(count);
+            // Rounding may give 1, which is infinitely far in a dense medium.
+            at = min(at, LAST_PLACE);
+            vec3 power;
+            float within = flight_deposit(medium, path.power, column, count, channel, at, power);
+            bool is_before = within < before.x;
+            float begin = is_before ? from : before.y;
+            float limit = is_before ? within : column_sum(within, -before.x);
+            float distance = stretch_until(push.scene, index, path.ray, begin, to, limit).y;
+            store_in_medium(path, map, index, distance, power, first + number);
+        }
     }
     [[unroll]] for (uint m = 0u; m < MAP_COUNT; ++m) path.stored_in_media[m] += map == m ? count : 0u;
 }
@@ -72,27 +91,26 @@ const uint CROSSING_THINNED = 3u;
 uint cross_medium(inout Path path, uint media, uint index, float from, float to, uint block) {
     Medium medium = push.scene.media[index].at;
     uint event = path.bounce + path.collisions;
-    float column = to - from;
-    sees_grid = has_grid(push.scene, index);
-    if (sees_grid) {
-        GridTables tables = push.scene.grids;
-        columns = columns_new(tables, tables.grids[index].at, path.ray.origin, path.ray.direction, from, to);
-        column = columns_total();
+    uvec4 words = uvec4(0u);
+    float drawn = FLIGHT_ENDLESS;
+    if (!AIMED) {
+        words = medium_words(path.numbers, DOMAIN_FLIGHT, block + 2u * event);
+        drawn = flight_length(medium, path.power, unit_f32(words.x), unit_f32(words.y));
     }
+    vec2 reached = stretch_until(push.scene, index, path.ray, from, to, drawn);
+    Flight flight = flight_ended(medium, path.power, reached.x >= drawn, reached.x);
     // Shadow rays find light that comes straight from a light source.
-    if (IN_MEDIA && event > 0u && column > 0.0) deposit(path, index, from, column, block);
+    if (IN_MEDIA && event > 0u) deposit(path, index, medium, from, to, reached, flight, block);
     if (AIMED) {
-        path.power = photon_times(path.power, medium_transmittance(medium, column));
+        path.power = photon_times(path.power, medium_transmittance(medium, reached.x));
         return CROSSING_PASSES;
     }
-    uvec4 words = medium_words(path.numbers, DOMAIN_FLIGHT, block + 2u * event);
-    Flight flight = flight_sample(medium, path.power, column, unit_f32(words.x), unit_f32(words.y));
     if (flight.collides && !(unit_f32(words.z) < flight.albedo)) return CROSSING_ABSORBED;
     path.power = flight.power;
     if (!flight.collides) return CROSSING_PASSES;
     uvec4 turn = medium_words(path.numbers, DOMAIN_FLIGHT, block + 2u * event + 1u);
     vec3 direction = phase_sample(phase_of(medium), path.ray.direction, unit_f32(turn.x), unit_f32(turn.y));
-    path.ray = Ray(point_of(path.ray, from, flight.distance), direction, NO_LIMIT);
+    path.ray = Ray(along(path.ray, reached.y), direction, NO_LIMIT);
     path.media = media;
     path.specular_only = false;
     path.from_medium = true;

@@ -172,18 +172,29 @@ impl CpuScene {
         }
     }
 
-    /// The columns along a part of a ray; `None` where the medium is homogeneous.
+    /// Goes along a part of a ray from the distance `from` on until the column is `limit`: the column, and the distance from the
+    /// origin of the ray; all of it, if that is less.
     #[inline]
-    pub(crate) fn columns(&self, ray: &Ray, stretch: &Stretch) -> Option<Columns<'_>> {
-        let density = self.grids.view().of(stretch.medium)?;
-        Some(Columns::new(density, ray.origin, ray.direction, [stretch.from, stretch.to]))
+    pub(crate) fn until(&self, ray: &Ray, stretch: &Stretch, from: f32, limit: f32) -> (f32, f32) {
+        let to = stretch.to;
+        match self.grids.view().of(stretch.medium) {
+            None if limit < to - from => (limit, from + limit),
+            None => (to - from, to),
+            Some(density) => density.until(ray.origin, ray.direction, [from, to], limit),
+        }
+    }
+
+    /// The grid of a medium, if it has one, and whether that is thick: [`Density::is_thick`].
+    #[inline]
+    pub(crate) fn grid(&self, medium: u32) -> Option<bool> {
+        Some(self.grids.view().of(medium)?.is_thick(self.medium_at(medium)))
     }
 
     /// The columns along a segment in the medium with this index; `None` if it is homogeneous.
     #[inline]
-    pub(crate) fn columns_of_segment(&self, segment: &Segment, medium: u32) -> Option<Columns<'_>> {
+    pub(crate) fn columns(&self, segment: &Segment, medium: u32) -> Option<Columns<'_>> {
         let density = self.grids.view().of(medium)?;
-        Some(Columns::new(density, segment.origin, segment.direction, [0.0, segment.length]))
+        Some(Columns::new(density, segment.origin, segment.direction, segment.length))
     }
 
     /// Transmittance per channel of a part of a ray.

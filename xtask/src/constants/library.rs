@@ -96,6 +96,7 @@ pub(super) fn groups() -> Vec<Group> {
                 ("GRID_NODES", grid::NODES.into()),
                 ("GRID_STORED", grid::STORED.into()),
                 ("GRID_ROOT_STEPS", grid::ROOT_STEPS.into()),
+                ("GRID_THICK", grid::THICK.into()),
                 ("GRID_KNOTS", (grid::KNOTS as u32).into()),
             ],
         ),

@@ -87,7 +87,7 @@ impl Photons<'_> {
     ) -> (Estimate, ErrorMoments) {
         let segment = Segment::of(query);
         let (medium, _) = scene.medium(segment.media);
-        match scene.columns_of_segment(&segment, medium) {
+        match scene.columns(&segment, medium) {
             None => self.sum::<MOMENTS>(scene, query, params, |distance| distance),
             Some(columns) => self.sum::<MOMENTS>(scene, query, params, |distance| columns.to(distance)),
         }

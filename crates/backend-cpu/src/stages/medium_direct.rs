@@ -49,7 +49,7 @@ fn scattered(scene: &CpuScene, pass: Pass, query: &Query, rays: u32) -> [f64; 3]
         Sampler::new(RandomKind::Counter, pass.seed, pass.index, Domain::Segment, query.path).of_sample(pass.sample);
     let lights = LightSampler::new(scene.lights.len(), |index| weight(scene, &scene.lights[index], &segment));
     let (medium, _) = scene.medium(segment.media);
-    let columns = scene.columns_of_segment(&segment, medium);
+    let columns = scene.columns(&segment, medium);
     if columns.as_ref().is_some_and(|columns| !(columns.total() > 0.0)) {
         return [0.0; 3];
     }

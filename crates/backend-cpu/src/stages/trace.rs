@@ -84,10 +84,6 @@ impl PhotonList {
         }
     }
 
-    pub(super) fn extend(&mut self, photons: impl Iterator<Item = Photon>) {
-        photons.for_each(|photon| self.push(photon));
-    }
-
     /// Appends these photons to a buffer, if there is one.
     fn append_to(&self, target: Option<&mut CpuBuffer<Photon>>) -> Result<()> {
         if let Some(refused) = self.refused {

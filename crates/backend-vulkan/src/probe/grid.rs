@@ -43,12 +43,12 @@ pub(super) fn rows() -> Vec<Row> {
         row("grid_walk, grid_density", 0, |i| output([column(i), density().at(i.vector(0))])),
         row("grid_walk, place", 1, |i| {
             let (origin, direction, ends) = ray(i);
-            let place = density().place(origin, direction, ends, column(i) * i.float(8));
+            let place = density().until(origin, direction, ends, column(i) * i.float(8)).1;
             output([density().column(origin, direction, [ends[0], place])])
         }),
         row("grid_columns", 2, |i| {
             let (origin, direction, [_, to]) = ray(i);
-            let columns = Columns::new(density(), origin, direction, [0.0, to]);
+            let columns = Columns::new(density(), origin, direction, to);
             let place = columns.place(columns.total() * i.float(8));
             output([columns.to(to * i.float(8)), columns.to(place), columns.total()])
         }),

@@ -17,6 +17,7 @@ mod tests;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use super::medium::Medium;
 pub use bricks::OwnedGridTables;
 pub use columns::{Columns, KNOTS};
 
@@ -106,6 +107,9 @@ enum Brick<'a> {
 /// Largest number below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
+/// [`Density::is_thick`].
+pub const THICK: f32 = 8.0;
+
 /// Steps towards the place of a column within a cell.
 pub const ROOT_STEPS: u32 = 16;
 
@@ -138,11 +142,25 @@ impl Density<'_> {
         self.walk(&self.line(origin, direction), [from, to], f32::INFINITY).0
     }
 
-    /// The distance beyond `from` within which the column along a ray is `column`; the end of the part that has any, before
-    /// `to`, if all of it has less.
+    /// Goes along a ray from one distance to another, until the column is `limit`: the column, and the distance there; all of
+    /// it, and the end of the part that has any, if it has less.
     #[must_use]
-    pub fn place(&self, origin: Vec3, direction: Vec3, [from, to]: [f32; 2], column: f32) -> f32 {
-        self.walk(&self.line(origin, direction), [from, to], column).1
+    pub fn until(&self, origin: Vec3, direction: Vec3, ends: [f32; 2], limit: f32) -> (f32, f32) {
+        self.walk(&self.line(origin, direction), ends, limit)
+    }
+
+    /// Whether all channels of a medium have an optical depth above [`THICK`] across the grid, were it full: most photons that
+    /// cross it collide. Then they are stored where they do, which takes a walk through the cells up to there, and not where
+    /// they are expected to, for which the column of the whole ray is needed.
+    #[inline]
+    #[must_use]
+    pub fn is_thick(&self, medium: &Medium) -> bool {
+        let Grid { x, y, z, cells, .. } = self.grid;
+        let least = medium.extinction().min_element();
+        [x, y, z].iter().zip(cells).all(|(row, &cells)| {
+            let (across, row) = (least * cells as f32, Vec3::new(row[0], row[1], row[2]));
+            across * across > THICK * THICK * row.dot(row)
+        })
     }
 
     fn node(&self, [x, y, z, w]: [f32; 4]) -> Vec3 {

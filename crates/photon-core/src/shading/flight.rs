@@ -79,13 +79,26 @@ fn relative(depth: Vec3) -> Vec3 {
 /// A flight of `power` through `medium`, whose stretch ends at distance `end`. `u` draws the channel, `v` the length.
 #[inline]
 #[must_use]
-pub fn sample(medium: &Medium, power: Vec3, end: f32, [u, v]: [f32; 2]) -> Flight {
+pub fn sample(medium: &Medium, power: Vec3, end: f32, uv: [f32; 2]) -> Flight {
+    let distance = length(medium, power, uv);
+    let collides = distance < end;
+    ended(medium, power, collides, if collides { distance } else { end })
+}
+
+/// The length of a flight of `power` through `medium` up to a collision: infinity, or NaN, in a channel without extinction.
+#[inline]
+#[must_use]
+pub fn length(medium: &Medium, power: Vec3, [u, v]: [f32; 2]) -> f32 {
+    math::minus_ln_one_minus(v) / medium.extinction()[channel(shares(power), u)]
+}
+
+/// The end of a flight at a distance: a collision, or the end of its stretch.
+#[inline]
+#[must_use]
+pub fn ended(medium: &Medium, power: Vec3, collides: bool, distance: f32) -> Flight {
     let (extinction, shares) = (medium.extinction(), shares(power));
-    let coefficient = extinction[channel(shares, u)];
-    let distance = math::minus_ln_one_minus(v) / coefficient;
-    // A coefficient of 0 gives infinity, or NaN.
-    if !(distance < end) {
-        let left = relative(extinction * end);
+    if !collides {
+        let left = relative(extinction * distance);
         return Flight::Passes(power * left / shares.dot(left));
     }
     let left = relative(extinction * distance);

@@ -4,9 +4,7 @@ use photon_core::flight::{self, FOCUSED_DEPOSITS, Flight};
 use photon_core::glam::Vec3;
 use photon_core::phase::Phase;
 use photon_core::random::{Domain, Sampler, unit_f32};
-use photon_core::{
-    Columns, MapKind, Medium, MediumStack, Pass, PerMap, Photon, PhotonRay, RandomKind, Ray, octahedral,
-};
+use photon_core::{MapKind, Medium, MediumStack, Pass, PerMap, Photon, PhotonRay, RandomKind, Ray, octahedral};
 
 use super::{PhotonList, Walk};
 use crate::stretches::Stretch;
@@ -99,30 +97,47 @@ impl MediumWalk {
     ) -> Crossing {
         let Flown { ray, bounce, specular_only, .. } = *flown;
         let event = bounce + self.collisions;
-        let medium = walk.scene.medium_at(stretch.medium);
-        let columns = walk.scene.columns(&ray, stretch);
-        let column = columns.as_ref().map_or(stretch.to - stretch.from, Columns::total);
-        let point = |within: f32| {
-            let distance = columns.as_ref().map_or(stretch.from + within, |columns| columns.place(within));
-            ray.origin + ray.direction * distance
-        };
+        let (scene, medium) = (walk.scene, walk.scene.medium_at(stretch.medium));
+        let [channel, length, roulette, thinning] = self.flights.words(block + 2 * event);
+        let drawn =
+            if self.is_aimed { f32::INFINITY } else { flight::length(medium, *power, [channel, length].map(unit_f32)) };
+        let (reached, place) = scene.until(&ray, stretch, stretch.from, drawn);
+        let collides = reached >= drawn;
+        let ended = flight::ended(medium, *power, collides, reached);
         // Shadow rays find light that comes straight from a light source.
         let kind = MapKind::of_path(specular_only, bounce);
-        if event > 0 && walk.wanted_in_media[kind] && column > 0.0 {
-            let deposited = self.deposited(medium, (flown, block), column, *power);
-            photons[kind].extend(deposited.map(|(within, power)| Photon {
-                position: point(within).into(),
-                normal: stretch.medium,
-                power: power.into(),
-                direction: octahedral::pack(-ray.direction),
-            }));
+        if event > 0 && walk.wanted_in_media[kind] {
+            let mut store = |distance: f32, power: Vec3| {
+                photons[kind].push(Photon {
+                    position: (ray.origin + ray.direction * distance).into(),
+                    normal: stretch.medium,
+                    power: power.into(),
+                    direction: octahedral::pack(-ray.direction),
+                });
+            };
+            let grid = scene.grid(stretch.medium);
+            if grid == Some(true) && !specular_only {
+                if let Flight::Collides(found) = &ended {
+                    store(place, found.power * found.albedo);
+                }
+            } else {
+                // Walks through a grid go on where the flight ended.
+                let (before, start) = if collides && grid.is_some() { (reached, place) } else { (0.0, stretch.from) };
+                let rest = || scene.until(&ray, stretch, start, f32::INFINITY).0;
+                let column = if collides { before + rest() } else { reached };
+                if column > 0.0 {
+                    for (within, power) in self.deposited(medium, (flown, block), column, *power) {
+                        let from = if within < before { (stretch.from, within) } else { (start, within - before) };
+                        store(scene.until(&ray, stretch, from.0, from.1).1, power);
+                    }
+                }
+            }
         }
         if self.is_aimed {
-            *power *= flight::transmittance(medium, column);
+            *power *= flight::transmittance(medium, reached);
             return Crossing::Passes;
         }
-        let [channel, length, roulette, thinning] = self.flights.words(block + 2 * event);
-        let found = match flight::sample(medium, *power, column, [channel, length].map(unit_f32)) {
+        let found = match ended {
             Flight::Passes(left) => {
                 *power = left;
                 return Crossing::Passes;
@@ -136,7 +151,7 @@ impl MediumWalk {
         let [u, v, ..] = self.flights.words(block + 2 * event + 1);
         let direction = Phase::of(medium).sample(ray.direction, [u, v].map(unit_f32));
         self.collisions += 1;
-        let origin = point(found.distance);
+        let origin = ray.origin + ray.direction * place;
         // The medium around everything has no bounds.
         if stretch.medium == 0 {
             let left = flight::thinned(*power, self.start, origin, unit_f32(thinning));

@@ -156,7 +156,7 @@ fn places_are_those_of_their_columns() {
         for (origin, direction, [from, to]) in rays(160) {
             let all = density.column(origin, direction, [from, to]);
             for share in [0.0, 1e-6, 0.1, 0.5, 0.999, 1.0] {
-                let place = density.place(origin, direction, [from, to], all * share);
+                let place = density.until(origin, direction, [from, to], all * share).1;
                 assert!((from..=to).contains(&place), "{from} {place} {to}");
                 let found = density.column(origin, direction, [from, place]);
                 assert!(
@@ -166,7 +166,7 @@ fn places_are_those_of_their_columns() {
                 );
             }
             let start = origin + direction * from;
-            let columns = Columns::new(density, start, direction, [0.0, to - from]);
+            let columns = Columns::new(density, start, direction, to - from);
             assert!((columns.total() - all).abs() <= 2e-5, "{} {all}", columns.total());
             for share in [0.0, 0.21, 0.5, 0.77, 1.0] {
                 let at = share * (to - from);
@@ -223,7 +223,7 @@ fn extreme_rays_end() {
             for origin in [Vec3::ZERO, Vec3::splat(0.5), Vec3::splat(-0.5), Vec3::splat(1e6), direction * -1e6] {
                 let found = grid.density().column(origin, direction, [0.0, 56.0]);
                 assert!((0.0..=1.8).contains(&found), "{origin} {direction}: {found}");
-                let place = grid.density().place(origin, direction, [0.0, 56.0], f32::MAX);
+                let place = grid.density().until(origin, direction, [0.0, 56.0], f32::MAX).1;
                 assert!((0.0..=56.0).contains(&place), "{place}");
             }
         }

@@ -70,12 +70,12 @@ struct Flight {
     float albedo;
 };
 
-// The length of a flight of `power` through a medium up to a collision.
+// The length of a flight of `power` through a medium up to a collision, > 0.
 float flight_length(Medium medium, vec3 power, float u, float v) {
     float coefficient = flight_of(medium_extinction(medium), flight_channel(flight_shares(power), u));
     precise float far = minus_ln_one_minus(v) / coefficient;
     // A coefficient of 0 would give infinity, or NaN.
-    return coefficient > 0.0 ? far : FLIGHT_ENDLESS;
+    return coefficient > 0.0 ? max(far, 1.17549435e-38) : FLIGHT_ENDLESS;
 }
 
 // The end of a flight at the distance `far`: a collision, or the end of its stretch.
@@ -90,7 +90,9 @@ Flight flight_ended(Medium medium, vec3 power, bool collides, float far) {
     vec3 left = flight_relative(flight_depth(extinction, far));
     precise vec3 density = extinction * left;
     precise vec3 scattered = power * scattering * left / dot3(shares, density);
-    precise float albedo = clamp(flight_total(scattered) / flight_total(power), 0.0, 1.0);
+    float all = flight_total(power);
+    precise float share = flight_total(scattered) / all;
+    float albedo = all > 0.0 ? clamp(share, 0.0, 1.0) : 0.0;
     precise vec3 survivors = scattered / albedo;
     return Flight(true, far, albedo > 0.0 ? survivors : vec3(0.0), albedo);
 }

@@ -50,7 +50,7 @@ void deposit(inout Path path, uint index, Medium medium, float from, float to, v
     uint count = path.specular_only ? FLIGHT_FOCUSED_DEPOSITS : 1u;
     bool sees_grid = has_grid(push.scene, index);
     if (sees_grid && !path.specular_only && grid_is_thick(push.scene.grids.grids[index].at, medium_extinction(medium))) {
-        if (!flight.collides) return;
+        if (!flight.collides || !(flight.albedo > 0.0)) return;
         store_in_medium(path, map, index, reached.y, photon_times(flight.power, vec3(flight.albedo)), first);
     } else {
         // Walks through a grid go on where the flight ended.
@@ -98,7 +98,8 @@ uint cross_medium(inout Path path, uint media, uint index, float from, float to,
         drawn = flight_length(medium, path.power, unit_f32(words.x), unit_f32(words.y));
     }
     vec2 reached = stretch_until(push.scene, index, path.ray, from, to, drawn);
-    Flight flight = flight_ended(medium, path.power, reached.x >= drawn, reached.x);
+    bool collides = has_grid(push.scene, index) ? reached.x >= drawn : reached.x < column_sum(to, -from);
+    Flight flight = flight_ended(medium, path.power, collides, reached.x);
     // Shadow rays find light that comes straight from a light source.
     if (IN_MEDIA && event > 0u) deposit(path, index, medium, from, to, reached, flight, block);
     if (AIMED) {

@@ -181,6 +181,7 @@ macro_rules! whole_suite {
             media_spots::{ light_of_spots_is_scattered_once, spots_beside_the_view_are_not_seen }
             media_grids::{
                 airlight_in_a_slope, slopes_let_light_through, clouds_in_even_light, even_grids_are_homogeneous,
+                thick_grids_scatter_as_much,
             }
             boundaries::{
                 rays_cross_media, shadow_rays_and_photons_pass, p3_shaft, p12_furnace, a_clear_boundary_changes_no_bit,

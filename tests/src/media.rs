@@ -212,7 +212,7 @@ pub fn p12_furnace<T: TestBackend>() {
 }
 
 /// A floor that only a lit fog above it lights: with final gathering the same picture as without, bit by bit, since its rays meet
-/// nothing. A second floor beside it changes that.
+/// nothing. A wall beside it changes that.
 pub fn light_of_fog_is_not_gathered_twice<T: TestBackend>() {
     let picture = |indirect, is_alone: bool| {
         let mut builder = SceneBuilder::new();

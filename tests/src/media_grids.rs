@@ -118,7 +118,8 @@ pub fn clouds_in_even_light<T: TestBackend>() {
     let densities: Vec<f32> = (0..125).map(|cell| (cell * 7 % 5) as f32 / 4.0).collect();
     let bounds = [[-0.8; 3], [0.8; 3]];
     let grid = GridDesc::new([5; 3], densities).with_box(bounds[0], bounds[1]);
-    add_box(&mut builder, bounds, [5.0, 0.0], Some(grid));
+    // Thick: photons are stored where they collide.
+    add_box(&mut builder, bounds, [8.0, 0.0], Some(grid));
     camera(&mut builder, [-1.2, 0.01, 0.02], [1.0, 0.0, 0.0], 0.1);
     let scene = builder.build().unwrap();
     let indirect = Indirect::Map;
@@ -161,4 +162,29 @@ pub fn even_grids_are_homogeneous<T: TestBackend>() {
         let (thinner, _) = render(body, even(0.25));
         assert!((thinner[0] / homogeneous[0] - 1.0).abs() > 0.1, "{thinner:?} {homogeneous:?}");
     }
+}
+
+/// A thick grid of colours that absorb, whose photons are stored where they collide, scatters as much as the homogeneous medium,
+/// whose photons are stored where they are expected to.
+pub fn thick_grids_scatter_as_much<T: TestBackend>() {
+    let bounds = [[-0.8; 3], [0.8; 3]];
+    let body = MaterialDesc::boundary("body", [1.0, 2.0, 0.5]).with_scattering([6.0, 12.0, 9.0], 0.3);
+    let render = |grid: Option<GridDesc>| {
+        let mut builder = SceneBuilder::new();
+        let grey = builder.material(MaterialDesc::lambert("floor", [0.5; 3]));
+        builder.quad("floor", [[-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0], [-2.0, -1.0, -2.0]], grey);
+        builder.light("point", LightDesc::Point { position: [-2.3, 1.0, 0.4], intensity: [1.0; 3] });
+        add_body(&mut builder, bounds, body.clone(), grid);
+        camera(&mut builder, [-3.0, 0.1, 0.2], [1.0, 0.0, 0.0], 0.6);
+        let settings = Settings { photons: 40_000, indirect: Indirect::Map, ..direct_settings(Direct::None, 0.1) };
+        per_pass::<T>(&builder.build().unwrap(), &settings, 16, 8).0
+    };
+    let even = GridDesc::new([20, 9, 5], vec![1.0; 900]).with_box([-1.0; 3], [1.0; 3]);
+    let (homogeneous, gridded) = (render(None), render(Some(even)));
+    let differences: Vec<f64> = homogeneous.iter().zip(&gridded).map(|(a, b)| a - b).collect();
+    let (mean, _) = moments(&homogeneous);
+    let error = standard_error(&differences);
+    assert!(error < 0.01 * mean, "too noisy: {mean} ± {error}");
+    assert_agrees("difference", moments(&differences).0, 0.0, error, 0.0);
+    assert!(homogeneous != gridded);
 }

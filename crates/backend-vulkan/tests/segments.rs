@@ -135,7 +135,7 @@ fn unlike(ours: &[ErrorMoments], theirs: &[ErrorMoments], factor: f32) -> usize 
         [wide[0], narrow[0], power, slope[0], slope[1], quadrupole[0], quadrupole[1]]
     };
     let differ = |(a, b): &(&ErrorMoments, &ErrorMoments)| {
-        values(a).iter().zip(values(b)).any(|(a_part, b_part)| (a_part * factor - b_part).abs() > 1e-4 * a.power)
+        values(a).iter().zip(values(b)).any(|(a_part, b_part)| !((a_part * factor - b_part).abs() <= 1e-4 * a.power))
     };
     ours.iter().zip(theirs).filter(differ).count()
 }

@@ -71,8 +71,7 @@ pub(super) fn announce<B: TransportBackend>(
     let has_reflections = required.gloss_caustics && stages.map.estimator.weighs_reflections();
     let format = required.photon_format.max(photon_format::least(stages));
     let weights = Weights::new(scene, settings, required, has_reflections)?;
-    let in_media = (stages.media.is_some(), required.final_gather);
-    let slots = MapSlot::<B>::of(&required.maps, has_reflections, in_media, 1.0);
+    let slots = MapSlot::<B>::of(settings, required, (has_reflections, stages.media.is_some()), 1.0);
     let maps = slots.iter().map(|slot| AnnouncedMap {
         kind: slot.kind,
         place: slot.place,

@@ -34,7 +34,7 @@ impl<B: TransportBackend> Pipeline<B> {
         (seconds, fixed): (Option<f64>, Fixed),
     ) -> Result<(Self, Option<Decision>)> {
         let begun = Instant::now();
-        // Gather rays do not see light in media.
+        // Much of the light is that of media, which gathering does not change.
         let scatters = Solids::of(scene).features().contains(MediaFeatures::SCATTERING);
         let fixed = Fixed { indirect: fixed.indirect || scatters, ..fixed };
         let is_derived = matches!(settings.estimator, Estimator::Radius { radius: None });

@@ -293,9 +293,9 @@ impl<B: TransportBackend> Pipeline<B> {
         let own_radii = Self::own_radii(&settings);
         let mut pipeline = Self {
             maps: MapSlot::of(
-                &required.maps,
-                stages.gloss_caustics.is_some(),
-                (stages.media.is_some(), required.final_gather),
+                &settings,
+                &required,
+                (stages.gloss_caustics.is_some(), stages.media.is_some()),
                 radii::given(&settings, &scene.units),
             ),
             units: scene.units,

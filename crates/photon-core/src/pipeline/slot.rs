@@ -1,12 +1,15 @@
 //! The maps of a pipeline: one slot per required map.
 
+use super::estimate::is_shown;
 use crate::backend::Backend;
 use crate::backend::stages::EstimateParams;
 use crate::error::Result;
-use crate::requirements::map_kind::{MapKind, PerMap};
+use crate::requirements::Requirements;
+use crate::requirements::map_kind::MapKind;
 use crate::requirements::map_place::MapPlace;
 use crate::requirements::photon_format::PhotonFormat;
 use crate::scene::layout::Photon;
+use crate::settings::Settings;
 
 /// The photons of one map, and its search radius.
 pub(super) struct MapSlot<B: Backend> {
@@ -23,21 +26,24 @@ pub(super) struct MapSlot<B: Backend> {
 }
 
 impl<B: Backend> MapSlot<B> {
-    /// One slot per required map on surfaces, in order, then one for caustics in reflections and those of media, if there are
-    /// such stages; without memory, and all with the same radius. `gathers`: by final gathering.
+    /// One slot per required map on surfaces, in order; then one for caustics in reflections, those in media that are shown, and
+    /// one for light from media where final gathering does not find it, if there are such stages. Without memory, and all with
+    /// the same radius.
     pub(super) fn of(
-        required: &PerMap<bool>,
-        reflects: bool,
-        (has_media, gathers): (bool, bool),
+        settings: &Settings,
+        required: &Requirements,
+        (reflects, has_media): (bool, bool),
         radius: f32,
     ) -> Vec<Self> {
-        let maps = || required.iter().filter(|(_, required)| **required).map(|(kind, _)| kind);
+        let maps = || required.maps.iter().filter(|(_, required)| **required).map(|(kind, _)| kind);
         // Light straight from a light source is found by shadow rays in media.
-        let in_media = maps().filter(|&kind| has_media && kind != MapKind::Direct);
+        let is_seen = |kind| has_media && kind != MapKind::Direct && is_shown(settings, kind, MapPlace::Medium);
+        let in_media = maps().filter(|&kind| is_seen(kind));
         let all = maps().map(|kind| (kind, MapPlace::Surface));
         let all = all.chain(reflects.then_some((MapKind::Caustic, MapPlace::Reflection)));
         let all = all.chain(in_media.map(|kind| (kind, MapPlace::Medium)));
-        let all = all.chain((has_media && gathers).then_some((MapKind::Global, MapPlace::FromMedium)));
+        let is_apart = has_media && required.final_gather;
+        let all = all.chain(is_apart.then_some((MapKind::Global, MapPlace::FromMedium)));
         all.map(|(kind, place)| Self { kind, place, photons: None, capacity: 0, radius, derived: None }).collect()
     }
 

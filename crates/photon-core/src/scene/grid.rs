@@ -149,9 +149,9 @@ impl Density<'_> {
         self.walk(&self.line(origin, direction), ends, limit)
     }
 
-    /// Whether all channels of a medium have an optical depth above [`THICK`] across the grid, were it full: most photons that
-    /// cross it collide. Then they are stored where they do, which takes a walk through the cells up to there, and not where
-    /// they are expected to, for which the column of the whole ray is needed.
+    /// Whether all channels of a medium have an optical depth above [`THICK`] along each axis of the grid, if its largest density
+    /// filled it: then most photons collide, and are stored where they do, which takes a walk through the cells up to there. In
+    /// others they are stored where they are expected to, for which the column of the whole ray is needed.
     #[inline]
     #[must_use]
     pub fn is_thick(&self, medium: &Medium) -> bool {

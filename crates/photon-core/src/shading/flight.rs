@@ -85,11 +85,13 @@ pub fn sample(medium: &Medium, power: Vec3, end: f32, uv: [f32; 2]) -> Flight {
     ended(medium, power, collides, if collides { distance } else { end })
 }
 
-/// The length of a flight of `power` through `medium` up to a collision: infinity, or NaN, in a channel without extinction.
+/// The length of a flight of `power` through `medium` up to a collision, > 0: infinity in a channel without extinction.
 #[inline]
 #[must_use]
 pub fn length(medium: &Medium, power: Vec3, [u, v]: [f32; 2]) -> f32 {
-    math::minus_ln_one_minus(v) / medium.extinction()[channel(shares(power), u)]
+    let coefficient = medium.extinction()[channel(shares(power), u)];
+    let length = math::minus_ln_one_minus(v) / coefficient;
+    if coefficient > 0.0 { length.max(f32::MIN_POSITIVE) } else { f32::INFINITY }
 }
 
 /// The end of a flight at a distance: a collision, or the end of its stretch.
@@ -103,7 +105,8 @@ pub fn ended(medium: &Medium, power: Vec3, collides: bool, distance: f32) -> Fli
     }
     let left = relative(extinction * distance);
     let scattered = power * Vec3::from(medium.scattering) * left / shares.dot(extinction * left);
-    let albedo = (scattered.element_sum() / power.element_sum()).clamp(0.0, 1.0);
+    let all = power.element_sum();
+    let albedo = if all > 0.0 { (scattered.element_sum() / all).clamp(0.0, 1.0) } else { 0.0 };
     let power = if albedo > 0.0 { scattered / albedo } else { Vec3::ZERO };
     Flight::Collides(Collision { distance, power, albedo })
 }

@@ -102,7 +102,8 @@ impl MediumWalk {
         let drawn =
             if self.is_aimed { f32::INFINITY } else { flight::length(medium, *power, [channel, length].map(unit_f32)) };
         let (reached, place) = scene.until(&ray, stretch, stretch.from, drawn);
-        let collides = reached >= drawn;
+        let grid = scene.grid(stretch.medium);
+        let collides = if grid.is_some() { reached >= drawn } else { reached < stretch.to - stretch.from };
         let ended = flight::ended(medium, *power, collides, reached);
         // Shadow rays find light that comes straight from a light source.
         let kind = MapKind::of_path(specular_only, bounce);
@@ -115,9 +116,10 @@ impl MediumWalk {
                     direction: octahedral::pack(-ray.direction),
                 });
             };
-            let grid = scene.grid(stretch.medium);
             if grid == Some(true) && !specular_only {
-                if let Flight::Collides(found) = &ended {
+                if let Flight::Collides(found) = &ended
+                    && found.albedo > 0.0
+                {
                     store(place, found.power * found.albedo);
                 }
             } else {

@@ -22,8 +22,8 @@ pub trait Tracer<B: TransportBackend>: Send {
     /// Traces `rays`, and appends a photon to one of `deposits` at each diffuse surface met, ordered by
     /// path, then bounce; of each photon the fields that the buffer stores.
     ///
-    /// On each stretch in a medium that scatters light it appends photons to one of `in_media.inside`, in the same order, with the index
-    /// of the medium as [`Photon::normal`]: their expected power is that of the light scattered there. Stretches that begin at a
+    /// On each stretch in a medium that scatters light, or at collisions there, it appends photons to one of `in_media.inside`, in the
+    /// same order, with the index of the medium as [`Photon::normal`]: their expected power is that of the light scattered there. Stretches that begin at a
     /// light source have none, so that the map of direct light stays empty. Aimed paths never collide, and lose what is
     /// attenuated. [`Self::take_tally`] counts the photons of `deposits` only.
     ///

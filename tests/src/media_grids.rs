@@ -173,10 +173,18 @@ pub fn thick_grids_scatter_as_much<T: TestBackend>() {
         let mut builder = SceneBuilder::new();
         let grey = builder.material(MaterialDesc::lambert("floor", [0.5; 3]));
         builder.quad("floor", [[-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0], [-2.0, -1.0, -2.0]], grey);
-        builder.light("point", LightDesc::Point { position: [-2.3, 1.0, 0.4], intensity: [1.0; 3] });
+        // All of its light enters the body.
+        let spot = LightDesc::Spot {
+            position: [-2.3, 1.0, 0.4],
+            direction: [2.3, -1.0, -0.4],
+            intensity: [1.0; 3],
+            inner_angle: 0.2,
+            outer_angle: 0.3,
+        };
+        builder.light("spot", spot);
         add_body(&mut builder, bounds, body.clone(), grid);
         camera(&mut builder, [-3.0, 0.1, 0.2], [1.0, 0.0, 0.0], 0.6);
-        let settings = Settings { photons: 40_000, indirect: Indirect::Map, ..direct_settings(Direct::None, 0.1) };
+        let settings = Settings { photons: 20_000, indirect: Indirect::Map, ..direct_settings(Direct::None, 0.1) };
         per_pass::<T>(&builder.build().unwrap(), &settings, 16, 8).0
     };
     let even = GridDesc::new([20, 9, 5], vec![1.0; 900]).with_box([-1.0; 3], [1.0; 3]);
@@ -184,7 +192,8 @@ pub fn thick_grids_scatter_as_much<T: TestBackend>() {
     let differences: Vec<f64> = homogeneous.iter().zip(&gridded).map(|(a, b)| a - b).collect();
     let (mean, _) = moments(&homogeneous);
     let error = standard_error(&differences);
-    assert!(error < 0.01 * mean, "too noisy: {mean} ± {error}");
+    // Without the albedo, which is at least 0.86, it would be a seventh.
+    assert!(error < 0.02 * mean, "too noisy: {mean} ± {error}");
     assert_agrees("difference", moments(&differences).0, 0.0, error, 0.0);
     assert!(homogeneous != gridded);
 }

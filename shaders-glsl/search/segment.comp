@@ -50,8 +50,10 @@ uint index_of_medium;
 vec3 extinction;
 Phase phase;
 // Whether it has a grid of densities, and then the columns along the segment.
-bool sees_grid;
+bool grid_is_there;
 Columns columns;
+// A constant where no medium has a grid.
+bool sees_grid() { return GRIDS && grid_is_there; }
 float scale;
 // Feet on its line that count: by several radii beyond its ends, which are oblique planes. For the estimate itself, if
 // photons within a wider radius are found for `ERROR_MOMENTS`, the inner range.
@@ -80,7 +82,7 @@ void add(uint place, inout vec3 sum) {
     float column = segment_distance(segment, gap);
     if (column < 0.0) return;
     float scattered = phase_value(phase, directions[place], segment.direction);
-    if (sees_grid) column = columns_to(columns, column);
+    if (sees_grid()) column = columns_to(columns, column);
     vec3 power = powers[place] * scattered * exp_neg3(extinction * column);
     uint before = photons;
     if (ERROR_MOMENTS != 0) {
@@ -161,7 +163,7 @@ void main() {
     flux = NOTHING;
     photons = 0;
     power_sums = vec2(0.0);
-    sees_grid = false;
+    grid_is_there = false;
     if (asked) {
         SceneRef scene = SceneRef(push.albedos);
         segment = segment_of(push.queries[index].at);
@@ -169,8 +171,8 @@ void main() {
         index_of_medium = media_current(scene, segment.media);
         Medium medium = scene.media[index_of_medium].at;
         extinction = medium_extinction(medium);
-        sees_grid = has_grid(scene, index_of_medium);
-        if (sees_grid) {
+        grid_is_there = has_grid(scene, index_of_medium);
+        if (sees_grid()) {
             GridTables tables = scene.grids;
             Grid grid = tables.grids[index_of_medium].at;
             columns = columns_new(tables, grid, at, segment.direction, segment.far);

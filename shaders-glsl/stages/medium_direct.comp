@@ -99,8 +99,11 @@ bool sample_evenly(uint index, Light light, uvec2 point, out Target target) {
 const bool SPOT_LIGHTS = (FEATURES & FEATURE_SPOT_LIGHTS) != 0u;
 
 // Whether the medium of the segment has a grid of densities, and then its columns.
-bool sees_grid;
+bool grid_is_there;
 Columns columns;
+
+// A constant where no medium has a grid.
+bool sees_grid() { return GRIDS && grid_is_there; }
 
 // Radiance at the start of a segment by way of a place on it, chosen by `choice`, and a point on a light, over the density of
 // both.
@@ -110,14 +113,14 @@ vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alp
     precise float mean = flight_total(medium_extinction(medium)) / 3.0;
     // Places in the cone of a spot light alone, from `first` to `last`.
     float first = 0.0, last = segment.far;
-    float before = 0.0, behind = sees_grid ? columns_total() : segment.far;
+    float before = 0.0, behind = sees_grid() ? columns_total() : segment.far;
     if (SPOT_LIGHTS && light.kind == LIGHT_SPOT) {
         vec3 origin = segment.origin, direction = segment.direction;
         if (!spot_part(origin, direction, last, light.position, light.direction, light.versine_outer, first, last)) {
             return vec3(0.0);
         }
-        if (first > 0.0) before = sees_grid ? columns_to(columns, first) : first;
-        if (last < segment.far) behind = sees_grid ? columns_to(columns, last) : last;
+        if (first > 0.0) before = sees_grid() ? columns_to(columns, first) : first;
+        if (last < segment.far) behind = sees_grid() ? columns_to(columns, last) : last;
     }
     precise float whole = behind - before;
     if (!(whole > 0.0)) return vec3(0.0);
@@ -140,10 +143,10 @@ vec3 from_light(Segment segment, uint index, uvec2 point, float choice, uint alp
     } else {
         precise float sampled = before + exponential_sample(mean, whole, choice);
         far = sampled;
-        if (sees_grid) far = columns_place(columns, far);
+        if (sees_grid()) far = columns_place(columns, far);
     }
-    float column = sees_grid ? columns_to(columns, far) : far;
-    float local = sees_grid ? columns_density(columns, far) : 1.0;
+    float column = sees_grid() ? columns_to(columns, far) : far;
+    float local = sees_grid() ? columns_density(columns, far) : 1.0;
     if (!(local > 0.0)) return vec3(0.0);
     precise float passed = column - before;
     float density = exponential_density(mean, whole, max(passed, 0.0));
@@ -183,9 +186,9 @@ void main() {
     uint domain = push.domain + (push.queries[i].at.pixel / push.pixels << 16);
     LightSampler light_sampler = lights_along(segment);
     uint medium = media_current(push.scene, segment.media);
-    sees_grid = has_grid(push.scene, medium);
+    grid_is_there = has_grid(push.scene, medium);
     uint end_ray = push.end_ray;
-    if (sees_grid) {
+    if (sees_grid()) {
         GridTables tables = push.scene.grids;
         Grid grid = tables.grids[medium].at;
         columns = columns_new(tables, grid, segment.origin, segment.direction, segment.far);

@@ -49,7 +49,8 @@ void deposit(inout Path path, uint index, Medium medium, float from, float to, v
     uint first = stored_in(path.stored_in_media, map);
     uint count = path.specular_only ? FLIGHT_FOCUSED_DEPOSITS : 1u;
     bool sees_grid = has_grid(push.scene, index);
-    if (sees_grid && !path.specular_only && grid_is_thick(push.scene.grids.grids[index].at, medium_extinction(medium))) {
+    // A variable is not known to be false when branches are removed.
+    if (GRIDS && sees_grid && !path.specular_only && grid_is_thick(push.scene.grids.grids[index].at, medium_extinction(medium))) {
         if (!flight.collides || !(flight.albedo > 0.0)) return;
         store_in_medium(path, map, index, reached.y, photon_times(flight.power, vec3(flight.albedo)), first);
     } else {

@@ -15,6 +15,8 @@ pub(super) struct Function {
     pub(super) calls: Vec<u32>,
     /// Ids that the removed instructions defined.
     pub(super) lost: Vec<u32>,
+    /// Value that it always returns, if it does nothing else.
+    pub(super) constant: Option<u32>,
     results: Vec<u32>,
 }
 
@@ -35,6 +37,7 @@ impl Function {
             kept: body.iter().take_while(|i| i.op != op::LABEL).map(|i| i.words.to_vec()).collect(),
             calls: Vec::new(),
             lost: Vec::new(),
+            constant: blocks.constant(&reached, &known),
             results: body.iter().filter_map(Instruction::result).collect(),
         };
         let edges = blocks.edges(&reached, &known);
@@ -74,11 +77,16 @@ impl Function {
                         decided(instruction, &known)
                             .map_or_else(|| instruction.words.to_vec(), |target| make(op::BRANCH, &[target])),
                     ),
+                    op::FUNCTION_CALL => Some(match known.value_of(instruction) {
+                        Some((_, constant)) => make(op::COPY_OBJECT, &[&instruction.words[1..3], &[constant]].concat()),
+                        None => {
+                            function.calls.push(instruction.words[3]);
+                            instruction.words.to_vec()
+                        }
+                    }),
                     _ => Some(instruction.words.to_vec()),
                 });
             }
-            let calls = instructions.iter().filter(|i| i.op == op::FUNCTION_CALL);
-            function.calls.extend(calls.map(|call| call.words[3]));
         }
         function.kept.push(make(op::FUNCTION_END, &[]));
         Some(function)
@@ -152,6 +160,7 @@ impl<'a> Blocks<'a> {
                             let first = values.next().flatten();
                             first.filter(|first| values.all(|value| value == Some(*first)))
                         }
+                        op::FUNCTION_CALL => known.value_of(instruction).map(|(value, _)| value),
                         128..=200 => known.evaluate(instruction.words[1], instruction.op, &instruction.words[3..]),
                         _ => None,
                     };
@@ -172,6 +181,28 @@ impl<'a> Blocks<'a> {
             }
             reached = now;
         }
+    }
+
+    /// The value that the blocks that are reached always return, if they do nothing else and end.
+    fn constant(&self, reached: &[bool], known: &Known) -> Option<u32> {
+        let ranges = self.all.iter().zip(reached).filter(|(_, reached)| **reached).map(|((_, range), _)| range.clone());
+        let mut returned = None;
+        for instruction in ranges.flat_map(|range| &self.body[range]) {
+            match instruction.op {
+                op::RETURN_VALUE => {
+                    let value = *known.scalars.get(&instruction.words[1])?;
+                    if *returned.get_or_insert(value) != value {
+                        return None;
+                    }
+                }
+                op::FUNCTION_CALL if known.value_of(instruction).is_some() => {}
+                // Conversions, arithmetic, comparisons, reads, and branches without loops.
+                op::VARIABLE | op::LOAD | op::ACCESS_CHAIN | op::COMPOSITE_EXTRACT | op::COPY_OBJECT | 109..=205 => {}
+                op::PHI | op::SELECTION_MERGE | op::LABEL | op::BRANCH | op::BRANCH_CONDITIONAL | op::UNREACHABLE => {}
+                _ => return None,
+            }
+        }
+        returned
     }
 
     /// Labels that the remaining merge instructions name: with the header of its loop for the target of `continue`.

@@ -13,6 +13,10 @@ pub(super) struct Known {
     composites: HashMap<u32, Vec<u32>>,
     /// The types of such values.
     types: HashSet<u32>,
+    /// Constants by type and value.
+    constants: HashMap<(u32, u32), u32>,
+    /// Values of the functions that always return the same and do nothing else.
+    functions: HashMap<u32, u32>,
 }
 
 /// What precedes the functions, with the specialization constants `values` (id, value) set, and the known values.
@@ -60,6 +64,7 @@ pub(super) fn set(declarations: &[Instruction<'_>], values: &[(u32, u32)]) -> (V
             continue;
         };
         known.scalars.insert(words[2], scalar);
+        known.constants.entry((words[1], scalar)).or_insert(words[2]);
         done.push(match (bool_type == Some(words[1]), scalar) {
             (true, 0) => make(op::CONSTANT_FALSE, &words[1..3]),
             (true, _) => make(op::CONSTANT_TRUE, &words[1..3]),
@@ -70,6 +75,19 @@ pub(super) fn set(declarations: &[Instruction<'_>], values: &[(u32, u32)]) -> (V
 }
 
 impl Known {
+    /// Adds functions that always return the same value; whether one of them was not known.
+    pub(super) fn learn(&mut self, functions: impl Iterator<Item = (u32, u32)>) -> bool {
+        let before = self.functions.len();
+        self.functions.extend(functions);
+        self.functions.len() > before
+    }
+
+    /// The value of a call, and a constant that has it, if the function always returns that.
+    pub(super) fn value_of(&self, call: &Instruction<'_>) -> Option<(u32, u32)> {
+        let value = *self.functions.get(&call.words[3])?;
+        Some((value, *self.constants.get(&(call.words[1], value))?))
+    }
+
     /// The result, of type `kind`, of the operation `code` on scalars, if it is known.
     pub(super) fn evaluate(&self, kind: u32, code: u16, operands: &[u32]) -> Option<u32> {
         if !self.types.contains(&kind) {

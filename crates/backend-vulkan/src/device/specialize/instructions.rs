@@ -18,8 +18,12 @@ pub(super) mod op {
     pub(in crate::device::specialize) const FUNCTION: u16 = 54;
     pub(in crate::device::specialize) const FUNCTION_END: u16 = 56;
     pub(in crate::device::specialize) const FUNCTION_CALL: u16 = 57;
+    pub(in crate::device::specialize) const VARIABLE: u16 = 59;
+    pub(in crate::device::specialize) const LOAD: u16 = 61;
+    pub(in crate::device::specialize) const ACCESS_CHAIN: u16 = 65;
     pub(in crate::device::specialize) const DECORATE: u16 = 71;
     pub(in crate::device::specialize) const COMPOSITE_EXTRACT: u16 = 81;
+    pub(in crate::device::specialize) const COPY_OBJECT: u16 = 83;
     pub(in crate::device::specialize) const PHI: u16 = 245;
     pub(in crate::device::specialize) const LOOP_MERGE: u16 = 246;
     pub(in crate::device::specialize) const SELECTION_MERGE: u16 = 247;
@@ -27,6 +31,7 @@ pub(super) mod op {
     pub(in crate::device::specialize) const BRANCH: u16 = 249;
     pub(in crate::device::specialize) const BRANCH_CONDITIONAL: u16 = 250;
     pub(in crate::device::specialize) const SWITCH: u16 = 251;
+    pub(in crate::device::specialize) const RETURN_VALUE: u16 = 254;
     pub(in crate::device::specialize) const UNREACHABLE: u16 = 255;
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A driver would do the same, but some inline and optimise all functions before they look at the constants:
 //! lavapipe compiles what this module returns two to three times as fast. Only instructions are removed, except that
-//! a conditional branch becomes an unconditional one; the numbers that a kernel computes do not change.
+//! a conditional branch becomes an unconditional one, and the call of a function that always returns the same a copy of a
+//! constant; the numbers that a kernel computes do not change.
 //!
 //! Opcodes and their layouts are those of the SPIR-V specification, version 1.5, section 3.
 
@@ -13,6 +14,7 @@ mod instructions;
 use std::collections::{BTreeSet, HashSet};
 
 use branches::Function;
+use constants::Known;
 use instructions::op;
 
 /// Words of the header, before the first instruction.
@@ -29,11 +31,17 @@ fn attempt(words: &[u32], values: &[(u32, u32)]) -> Option<Vec<u32>> {
     let all = instructions::read(words.get(HEADER..)?)?;
     let bodies = all.iter().position(|i| i.op == op::FUNCTION)?;
     let (declarations, bodies) = all.split_at(bodies);
-    let (declarations, known) = constants::set(declarations, values);
-    let functions: Vec<Function> = bodies
-        .split_inclusive(|i| i.op == op::FUNCTION_END)
-        .map(|body| Function::of(body, &known))
-        .collect::<Option<_>>()?;
+    let (declarations, mut known) = constants::set(declarations, values);
+    let reduced = |known: &Known| -> Option<Vec<Function>> {
+        bodies.split_inclusive(|i| i.op == op::FUNCTION_END).map(|body| Function::of(body, known)).collect()
+    };
+    let mut functions = reduced(&known)?;
+    while known.learn(functions.iter().filter_map(|function| Some((function.id, function.constant?)))) {
+        match reduced(&known) {
+            Some(fewer) => functions = fewer,
+            None => break,
+        }
+    }
     let entry = declarations.iter().find(|i| i[0] & 0xFFFF == u32::from(op::ENTRY_POINT))?[2];
     let called = called(&functions, entry);
     let (kept, dropped): (Vec<_>, Vec<_>) = functions.into_iter().partition(|function| called.contains(&function.id));

@@ -1,4 +1,4 @@
-use photon_core::Features;
+use photon_core::{Features, MediaFeatures};
 
 use super::instructions::{Instruction, op, read};
 use super::*;
@@ -29,13 +29,22 @@ fn with_features(module: &Module, features: Features) -> Vec<u32> {
 fn every_module_is_complete() {
     for module in shaders::KERNELS.iter().chain(&shaders::TEST_KERNELS) {
         let plain = module.words();
-        for features in [Features::empty(), Features::DIELECTRIC, Features::GLOSSY | Features::ALPHA, Features::all()] {
-            let words = with_features(module, features);
+        let of_features =
+            [Features::empty(), Features::DIELECTRIC, Features::GLOSSY | Features::ALPHA, Features::all()]
+                .map(|features| with_features(module, features));
+        let nothing: Vec<_> = (0..16).map(|id| (id, u32::from(id == 1))).collect();
+        for words in of_features.into_iter().chain([specialize(&plain, &nothing)]) {
             let all = instructions(&words);
             let open = all.iter().filter(|i| (op::SPEC_CONSTANT_TRUE..=op::SPEC_CONSTANT_OP).contains(&i.op)).count();
             assert_eq!(open, 0, "{}", module.name);
             assert!(words.len() <= plain.len(), "{}", module.name);
             let defined: Vec<u32> = all.iter().filter(|i| i.op == op::FUNCTION).map(|i| i.words[2]).collect();
+            let constants: Vec<u32> =
+                all.iter().take_while(|i| i.op != op::FUNCTION).filter_map(Instruction::result).collect();
+            for copy in all.iter().filter(|i| i.op == op::COPY_OBJECT && constants.contains(&i.words[3])) {
+                let constant = all.iter().find(|i| i.result() == Some(copy.words[3])).unwrap();
+                assert_eq!(constant.words[1], copy.words[1], "{}: of another type", module.name);
+            }
             let calls = all.iter().filter(|i| i.op == op::FUNCTION_CALL);
             assert!(calls.into_iter().all(|call| defined.contains(&call.words[3])), "{}", module.name);
             let labels: Vec<u32> = all.iter().filter(|i| i.op == op::LABEL).map(|i| i.words[1]).collect();
@@ -58,6 +67,11 @@ fn functions_of_absent_features_are_removed() {
     assert!(has(&glossy, "glossy_") && !has(&glossy, "rough_glass_"), "{glossy:?}");
     assert!(has(&rough, "rough_glass_"), "{rough:?}");
     assert!(plain.len() < glossy.len());
+    let traced = |media: MediaFeatures| {
+        let (features, media) = (Features::ABSORPTION.bits(), (MediaFeatures::SCATTERING | media).bits());
+        functions(&specialize(&shaders::STAGES_TRACE.words(), &[(0, features), (1, 64), (7, media)]))
+    };
+    assert!(!has(&traced(MediaFeatures::NONE), "grid_walk") && has(&traced(MediaFeatures::GRIDS), "grid_walk"));
     let emit = |features| functions(&with_features(&shaders::STAGES_EMIT, features));
     let (sky, portals) = (Features::ENVIRONMENT, Features::ENVIRONMENT | Features::PORTALS);
     assert!(has(&emit(sky), "environment_") && !has(&emit(sky), "portal"), "{:?}", emit(sky));

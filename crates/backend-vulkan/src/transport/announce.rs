@@ -80,6 +80,10 @@ fn estimates(on: &mut Vulkan, scene: &SceneKind, passes: &Announcement<'_>) {
     for map in &passes.maps {
         if map.place == MapPlace::Medium {
             estimate::beam::announce(on, map.gather.kernel, scene, settings.errors);
+            // The pilot pass keeps no error statistics.
+            if passes.has_pilot {
+                estimate::beam::announce(on, map.gather.kernel, scene, false);
+            }
             continue;
         }
         if passes.has_pilot {

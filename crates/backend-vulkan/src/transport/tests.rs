@@ -104,7 +104,10 @@ fn passes_request_no_kernel_that_was_not_announced() {
     let gathered = Settings { indirect: Indirect::Gather, gather_rays: 1, ..Settings::default() };
     let errors = Settings { errors: true, index: IndexKind::Vvh, ..gathered.clone() };
     let points = Settings { irradiance_every: Some(8), index: IndexKind::Median, direct: Direct::Photons, ..gathered };
-    for (name, settings, passes) in [("gloss", own_radii, 9), ("cornell-glass", errors, 1), ("cornell", points, 1)] {
+    let fog = own_radii.clone();
+    for (name, settings, passes) in
+        [("gloss", own_radii, 9), ("cornell-glass", errors, 1), ("cornell", points, 1), ("glass-fog", fog, 1)]
+    {
         let Some(on) = Vulkan::for_tests() else { return };
         let scene = builtin(name).unwrap().build().unwrap();
         let view = View { camera: scene.camera(None, 16, 16).unwrap(), width: 16, height: 16 };

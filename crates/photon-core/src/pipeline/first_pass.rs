@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::Pipeline;
+use super::small_pass::SmallPass;
 use crate::backend::stages::View;
 use crate::backend::{Stage, TransportBackend};
 use crate::error::Result;
@@ -20,9 +21,10 @@ const PATHS: f64 = 16384.0;
 impl<B: TransportBackend> Pipeline<B> {
     /// Makes a renderer whose settings are decided by the facts of a first pass: [`Settings::for_time`]. `seconds` are those for
     /// everything, from this call on; `None` for a number of passes, or an error. Afterwards it renders, bit by bit, as one of
-    /// [`Pipeline::new`] with [`Decision::settings`]: the first pass has other random numbers, and is in no film. `None`, and the
-    /// settings are those that were given, if nothing is left to decide: all is fixed, radii are not derived, irradiance is
-    /// precomputed on request, or no surface that scatters light diffusely is seen.
+    /// [`Pipeline::new`] with [`Decision::settings`]: the first pass has other random numbers, and is in no film.
+    ///
+    /// `None`, and the settings are those that were given, if nothing is left to decide: all is fixed, radii are not derived,
+    /// irradiance is precomputed on request, or no surface that scatters light diffusely is seen.
     ///
     /// # Errors
     /// Those of [`Pipeline::new`], and of a pass.
@@ -45,13 +47,14 @@ impl<B: TransportBackend> Pipeline<B> {
         let within = Circumstances { seconds, pixels, is_gpu: on.is_gpu(), fixed };
         let begin = settings.for_first_pass(&within);
         let mut pipeline = Self::new(on, scene, view, begin.clone())?;
-        let Some(mut first) = pipeline.first_pass(!fixed.camera_samples)? else {
+        let left = || seconds.map_or(f64::INFINITY, |seconds| seconds - begun.elapsed().as_secs_f64());
+        let Some(mut first) = pipeline.first_pass(!fixed.camera_samples, left)? else {
             return Ok((pipeline.with_settings(scene, settings.clone())?, None));
         };
         let stored = pipeline.maps.iter().map(|slot| slot.capacity).max().unwrap_or(0);
         let of_path = stored.max(1) as f64 / f64::from(pipeline.settings.photons);
         first.most_paths = Some((pipeline.on.most_photons() as f64 / of_path) as u32);
-        first.seconds_left = seconds.map_or(f64::INFINITY, |seconds| seconds - begun.elapsed().as_secs_f64());
+        first.seconds_left = left();
         let decided = settings.for_time(&within, &first);
         let Settings { camera_samples, shadow_rays, .. } = decided;
         if (Settings { camera_samples, shadow_rays, ..begin }) == decided {
@@ -62,36 +65,53 @@ impl<B: TransportBackend> Pipeline<B> {
         Ok((pipeline, Some(Decision { settings: decided, first })))
     }
 
-    /// Renders a pass three times, each into a film of its own: with other random numbers, and with other ones for shadow rays
+    /// Renders a pass up to three times, each into a film of its own: with other random numbers, and with other ones for shadow rays
     /// alone. On a GPU these are whole passes, which take milliseconds, but for rays of a query beyond a few; otherwise they have
-    /// few pixels and paths. `samples`: whether there may be several camera samples, which are then timed too. `None` if no surface is
-    /// seen.
-    fn first_pass(&mut self, samples: bool) -> Result<Option<FirstPass>> {
+    /// few pixels and paths. `samples`: whether there may be several camera samples, which are then timed too. There is one alone if
+    /// two further ones take more than a quarter of the seconds that are `left`. `None` if no surface is seen.
+    fn first_pass(&mut self, samples: bool, left: impl Fn() -> f64) -> Result<Option<FirstPass>> {
         let (small, paths) = self.telling_size(PIXELS, PATHS);
+        let begun = left();
         let again = self.small_pass(small, paths, (1, 0), false)?;
+        let after = left();
+        let compile = self.setup.get(Stage::Compile) + again.compile;
+        // Without a limit this is not a number, and the comparison false.
+        let seconds = begun - after - again.compile;
+        if 2.0 * seconds > after / 4.0 {
+            let facts = again.facts(self.settings.shadow_rays, compile);
+            return Ok(facts.map(|facts| FirstPass { lacks_noise: true, ..facts }));
+        }
         let with_other_shadow_rays = self.small_pass(small, paths, (0, 1), false)?;
         let small = self.small_pass(small, paths, (0, 0), samples)?;
         let [sampled, map_noise] = noise(&small.film, &again.film, self.settings.direct);
         let [shadow_noise, _] = noise(&small.film, &with_other_shadow_rays.film, self.settings.direct);
-        let shadow_rays = f64::from(self.settings.shadow_rays);
-        Ok(shares(&small.film).map(|shares| FirstPass {
-            once_seconds: small.whole.total() - small.sample_shadow_rays - small.camera,
-            camera_seconds: small.camera,
-            shadow_ray_seconds: small.sample_shadow_rays / shadow_rays,
-            alone_seconds: small.whole.total() - small.whole.shadow_rays,
-            alone_ray_seconds: small.whole.shadow_rays / shadow_rays,
+        let compile = compile + with_other_shadow_rays.compile + small.compile;
+        Ok(small.facts(self.settings.shadow_rays, compile).map(|facts| FirstPass {
             camera_noise: (sampled - shadow_noise).max(0.0),
             shadow_noise: shadow_noise * small.shadow_rays.powf(1.5),
             map_noise,
-            photon_seconds: small.whole.photons,
-            other_seconds: small.whole.total() - small.whole.photons,
-            gather_ray_seconds: small.gather_ray,
-            compile_seconds: self.setup.get(Stage::Compile)
-                + again.compile
-                + with_other_shadow_rays.compile
-                + small.compile,
-            ..shares
+            ..facts
         }))
+    }
+}
+
+impl SmallPass {
+    /// Facts of a pass with so many shadow rays of a query, without its noise. `None` if no surface is seen.
+    fn facts(&self, shadow_rays: u32, compile_seconds: f64) -> Option<FirstPass> {
+        let Self { whole, camera, sample_shadow_rays, gather_ray, .. } = *self;
+        let shadow_rays = f64::from(shadow_rays);
+        shares(&self.film).map(|shares| FirstPass {
+            once_seconds: whole.total() - sample_shadow_rays - camera,
+            camera_seconds: camera,
+            shadow_ray_seconds: sample_shadow_rays / shadow_rays,
+            alone_seconds: whole.total() - whole.shadow_rays,
+            alone_ray_seconds: whole.shadow_rays / shadow_rays,
+            photon_seconds: whole.photons,
+            other_seconds: whole.total() - whole.photons,
+            gather_ray_seconds: gather_ray,
+            compile_seconds,
+            ..shares
+        })
     }
 }
 

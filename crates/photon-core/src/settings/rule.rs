@@ -126,6 +126,8 @@ pub struct FirstPass {
     pub shadow_noise: f64,
     /// Relative variance of the light that is read from the maps once in a pass.
     pub map_noise: f64,
+    /// Whether there was no time to measure these three, which are 0 then.
+    pub lacks_noise: bool,
     /// Expected seconds of one final-gather ray for each pixel: a ray and an estimate where it lands.
     pub gather_ray_seconds: f64,
     /// Seconds of compiling the kernels that are in use: about those that final gathering takes.
@@ -192,18 +194,18 @@ impl FirstPass {
         (seen - self.photon_seconds).max(self.other_seconds)
     }
 
-    /// Factor on the number of paths of a pass that is to take `each` seconds, and takes `others` without photons. There are fewer
-    /// paths if they do not fit; but where the rest of a pass takes longer than they do, fewer hardly help.
+    /// Factor on the number of paths of a pass that is to take `each` seconds, and takes `others` without photons: a power of two,
+    /// so that renders seldom differ. There are fewer paths, by the nearest of them, if they do not fit; but where the rest of a pass
+    /// takes longer than they do, fewer hardly help.
     ///
     /// If their number may rise, as on a GPU, there are more, as long as they do not take longer than the rest: half as many
     /// passes with twice the paths have smaller radii and the same noise. On a CPU, whose passes are few, noise is all that is
     /// seen.
     fn photon_share(&self, each: f64, others: f64, may_rise: bool) -> f64 {
-        let fewer = (each - others).max(others) / self.photon_seconds;
+        let fewer = ((each - others).max(others) / self.photon_seconds).log2().round();
         let more = if may_rise { others.min(each - others) / self.photon_seconds } else { 1.0 };
-        match (fewer < 1.0, more >= 2.0 && more.is_finite()) {
-            (true, _) => fewer,
-            // A power of two, so that renders seldom differ.
+        match (fewer < 0.0, more >= 2.0 && more.is_finite()) {
+            (true, _) => fewer.exp2(),
             (false, true) => more.log2().floor().exp2(),
             (false, false) => 1.0,
         }
@@ -280,10 +282,10 @@ impl Settings {
     /// Settings by the facts of the first pass with [`Settings::for_first_pass`].
     ///
     /// Radii are those of each pixel where caustics are visible, unless the time ends before they are updated, and on a GPU
-    /// everywhere. For a number of passes, there are more shadow rays where direct light exceeds indirect light. Within a time,
-    /// camera samples and shadow rays are as many as remove most noise in it, final gathering is taken where indirect light
-    /// dominates, if there is time enough for it and for compiling its kernels, and paths are fewer if hardly a pass would fit,
-    /// and more on a GPU where the rest of a pass takes longer.
+    /// everywhere. For a number of passes, and in a time in which noise is not measured, there are more shadow rays where direct
+    /// light exceeds indirect light. Otherwise, camera samples and shadow rays are as many as remove most noise in the time. Within
+    /// a time, final gathering is taken where indirect light dominates, if there is time enough for it and for compiling its
+    /// kernels, and paths are fewer if hardly a pass would fit, and more on a GPU where the rest of a pass takes longer.
     /// Decisions depend on shares of the light, but for those within a time, which depend on seconds too.
     #[must_use]
     pub fn for_time(&self, within: &Circumstances, first: &FirstPass) -> Self {
@@ -296,10 +298,12 @@ impl Settings {
             let pays = is_gpu || (is_updated && first.caustic_pixels >= CAUSTIC_PIXELS);
             settings.set_bandwidth(pays, self.errors);
         }
+        let has_rays = !fixed.shadow_rays && settings.direct == Direct::Nee;
+        let by_shares = within.seconds.is_none() || first.lacks_noise;
+        if by_shares && has_rays && first.direct > first.indirect {
+            settings.shadow_rays = settings.shadow_rays.max(SHADOW_RAYS);
+        }
         if within.seconds.is_none() {
-            if !fixed.shadow_rays && settings.direct == Direct::Nee && first.direct > first.indirect {
-                settings.shadow_rays = settings.shadow_rays.max(SHADOW_RAYS);
-            }
             return settings;
         }
         let gathering = f64::from(settings.gather_rays) * first.gather_ray_seconds;
@@ -312,10 +316,11 @@ impl Settings {
             settings.indirect = Indirect::Gather;
         }
         let has_many = !fixed.camera_samples && settings.indirect != Indirect::Gather;
-        let has_rays = !fixed.shadow_rays && settings.direct == Direct::Nee;
-        let samples = (!has_many).then_some(settings.camera_samples);
-        let rays = (!has_rays).then_some(settings.shadow_rays);
-        (settings.camera_samples, settings.shadow_rays) = first.samples_and_rays(samples, rays);
+        if !by_shares {
+            let samples = (!has_many).then_some(settings.camera_samples);
+            let rays = (!has_rays).then_some(settings.shadow_rays);
+            (settings.camera_samples, settings.shadow_rays) = first.samples_and_rays(samples, rays);
+        }
         if !fixed.photons {
             let (each, gathering) = if begins_gathering {
                 ((first.seconds_left - first.compile_seconds) / GATHERING_PASSES, gathering)

@@ -101,10 +101,33 @@ fn paths_are_fewer_in_small_pictures_and_short_times() {
     };
     assert_eq!(photons(1.5, 0.5, 8.0), 65_536);
     assert_eq!(photons(1.5, 0.5, 5.0), 32_768);
+    // By powers of two.
+    assert_eq!(photons(1.5, 0.5, 6.0), 32_768);
+    assert_eq!(photons(1.5, 0.5, 7.0), 65_536);
     // Fewer paths do not help if the rest of a pass takes longer.
     assert_eq!(photons(1.5, 1.5, 0.0), 65_536);
     assert_eq!(photons(2.0, 0.5, -1.0), 16_384);
     assert_eq!(photons(0.0, 0.0, 0.0), 65_536);
+}
+
+/// Without noise, camera samples and shadow rays are those of a number of passes.
+#[test]
+fn noise_that_was_not_measured_decides_nothing() {
+    let within = within(Some(9.0), true, OPEN);
+    for (direct, rays) in [(0.6, SHADOW_RAYS), (0.2, Settings::default().shadow_rays)] {
+        let first = FirstPass {
+            direct,
+            indirect: 0.4,
+            lacks_noise: true,
+            camera_noise: 1.0,
+            seconds_left: 9.0,
+            ..FirstPass::default()
+        };
+        let settings = Settings::default().for_time(&within, &first);
+        assert_eq!((settings.camera_samples, settings.shadow_rays), (1, rays));
+        let many = Settings { camera_samples: 8, ..Settings::default() };
+        assert_eq!(many.for_time(&within, &first).camera_samples, 1);
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `OpenEXR`: the first layer with colours, or with a luminance, as far as its display window reaches.
 
+mod coarse;
 mod colors;
 mod window;
 
@@ -10,6 +11,7 @@ use exr::error::Error;
 use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::meta::attribute::Text;
+use exr::meta::header::Header as FileHeader;
 use exr::prelude::{Layer, ReadChannels, ReadLayers, ReadSpecificChannel, SpecificChannels, read};
 
 use self::colors::Source;
@@ -103,36 +105,51 @@ pub(super) fn header(file: &[u8], length: u64) -> Result<Header, ImageError> {
 
 pub(super) fn decode(file: &[u8]) -> Result<Image, ImageError> {
     let meta = open(file, file.len() as u64)?;
-    dwa::check(file, &meta.headers)?;
-    let Source { names, alpha, is_chroma, has_others, .. } = colors::find(&meta.headers)?;
-    let outside = if alpha.is_some() { 0.0 } else { 1.0 };
-    let alpha = alpha.unwrap_or_else(|| Text::from("A"));
+    let source = colors::find(&meta.headers)?;
+    let is_coarse = coarse::is_coarse(source.header);
+    let found =
+        if is_coarse { coarse::read(file, &meta.headers, &source) } else { read_plain(file, &meta.headers, &source) };
+    let Found { mut texels, window: data } = found?;
+    let attributes = &source.header.shared_attributes;
+    if source.is_chroma {
+        colors::from_chroma(&mut texels, attributes.chromaticities);
+    }
+    let shown = Window { at: attributes.display_window.position, size: attributes.display_window.size };
+    let outside = if source.alpha.is_some() { 0.0 } else { 1.0 };
+    let Placed { texels, mut remarks } = window::place(texels, data, shown, outside)?;
+    remarks.extend(colors::remark(attributes.chromaticities));
+    if source.has_others {
+        remarks.push("has other layers of colours, which are left out".to_owned());
+    }
+    Ok(Image { remarks, ..Image::of_floats(size_of(shown.size)?, texels) })
+}
+
+/// Reads channels with a sample for each texel.
+fn read_plain(file: &[u8], headers: &[FileHeader], source: &Source<'_>) -> Result<Found, ImageError> {
+    dwa::check(file, headers)?;
+    let alpha = source.alpha.clone().unwrap_or_else(|| Text::from("A"));
     let layers = read().no_deep_data().largest_resolution_level().specific_channels();
-    let (attributes, layer) = match &names[..] {
+    let layer = match &source.names[..] {
         [r, g, b] => {
             let set = |pixels: &mut Pixels, at, (r, g, b, a): (f32, f32, f32, f32)| pixels.set(at, [r, g, b, a]);
             let channels = layers.required(r.clone()).required(g.clone()).required(b.clone()).optional(alpha, 1.0);
             let reader = channels.collect_pixels(|size, _| Pixels::new(size), set).first_valid_layer();
-            let image = reader.all_attributes().non_parallel().from_buffered(Cursor::new(file)).map_err(damaged)?;
-            (image.attributes, Found::of(image.layer_data))
+            reader
+                .all_attributes()
+                .non_parallel()
+                .from_buffered(Cursor::new(file))
+                .map(|image| Found::of(image.layer_data))
         }
         grey => {
             let set = |pixels: &mut Pixels, at, (y, a): (f32, f32)| pixels.set(at, [y, y, y, a]);
             let channels = layers.required(grey[0].clone()).optional(alpha, 1.0);
             let reader = channels.collect_pixels(|size, _| Pixels::new(size), set).first_valid_layer();
-            let image = reader.all_attributes().non_parallel().from_buffered(Cursor::new(file)).map_err(damaged)?;
-            (image.attributes, Found::of(image.layer_data))
+            reader
+                .all_attributes()
+                .non_parallel()
+                .from_buffered(Cursor::new(file))
+                .map(|image| Found::of(image.layer_data))
         }
     };
-    let Found { mut texels, window: data } = layer;
-    if is_chroma {
-        colors::from_chroma(&mut texels, attributes.chromaticities);
-    }
-    let shown = Window { at: attributes.display_window.position, size: attributes.display_window.size };
-    let Placed { texels, mut remarks } = window::place(texels, data, shown, outside)?;
-    remarks.extend(colors::remark(attributes.chromaticities));
-    if has_others {
-        remarks.push("has other layers of colours, which are left out".to_owned());
-    }
-    Ok(Image { remarks, ..Image::of_floats(size_of(shown.size)?, texels) })
+    layer.map_err(damaged)
 }

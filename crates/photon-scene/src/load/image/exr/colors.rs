@@ -4,7 +4,7 @@ use exr::meta::attribute::{Chromaticities, Text};
 use exr::meta::header::Header;
 use glam::{DMat3, DVec3};
 
-use super::ImageError;
+use super::{ImageError, coarse};
 
 const RGB: &[&str] = &["R", "G", "B"];
 const CHROMA: &[&str] = &["Y", "RY", "BY"];
@@ -80,24 +80,15 @@ impl<'a> Source<'a> {
         Some(Self { header, names: found, alpha: channel("A"), is_chroma: names == CHROMA, has_others: false })
     }
 
-    /// Refuses what would be taken for grey, and channels of fewer samples than texels, which the decoder does not support.
+    /// Refuses what would be taken for grey, and samples that are not read.
     fn checked(self) -> Result<Self, ImageError> {
         let has =
             |wanted: &str| self.header.channels.list.iter().any(|channel| channel.name.eq_case_insensitive(wanted));
         if self.names.len() == 1 && has("X") && has("Z") {
             return Err(ImageError::new("is an OpenEXR file of CIE X, Y and Z; save it with R, G and B"));
         }
-        let coarse = |channel: &&exr::meta::attribute::ChannelDescription| channel.sampling.area() != 1;
-        let names: Vec<String> =
-            self.header.channels.list.iter().filter(coarse).map(|channel| channel.name.to_string()).collect();
-        match names[..] {
-            [] => Ok(self),
-            _ => Err(ImageError::new(format!(
-                "is an OpenEXR file whose channels {} have fewer samples than it has texels, which is not read; save it with \
-                 R, G and B",
-                names.join(" and ")
-            ))),
-        }
+        coarse::check(self.header)?;
+        Ok(self)
     }
 }
 

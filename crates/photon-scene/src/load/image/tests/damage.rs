@@ -17,6 +17,8 @@ fn all() -> Vec<(&'static str, Vec<u8>)> {
         ("webp with alpha", include_bytes!("alpha.webp").to_vec()),
         ("lossless webp", lossless),
         ("exr", exr(&[("R", &ramp), ("G", &ramp), ("B", &ramp)])),
+        ("exr with coarse chroma, zip", include_bytes!("coarse/zip.exr").to_vec()),
+        ("exr with coarse chroma, piz", include_bytes!("coarse/piz_a.exr").to_vec()),
         ("hdr", [&hdr[..], &hdr[hdr.len() - 19..]].concat()),
     ]
 }

@@ -75,6 +75,7 @@ pub(super) fn read(file: &[u8], headers: &[Header], source: &Source<'_>) -> Resu
     let chunks: usize = meta.headers.iter().map(|header| header.chunk_count).sum();
     // The table of their offsets comes before them.
     rest_of_file.set_position(rest_of_file.position() + 8 * chunks as u64);
+    let mut missing = size.height();
     for _ in 0..chunks {
         let chunk = Chunk::read(&mut rest_of_file, &meta).map_err(damaged)?;
         if !headers.get(chunk.layer_index).is_some_and(|of| std::ptr::eq(of, header)) {
@@ -84,6 +85,7 @@ pub(super) fn read(file: &[u8], headers: &[Header], source: &Source<'_>) -> Resu
             return Err(ImageError::new("cannot be decoded as OpenEXR: a block is not one of lines"));
         };
         let lines = lines_of(header, block.y_coordinate)?;
+        missing = missing.saturating_sub(lines.len());
         let values = unpack(header, block.compressed_pixels_le, &lines)?;
         let mut rest = &values[..];
         for y in lines {
@@ -102,6 +104,9 @@ pub(super) fn read(file: &[u8], headers: &[Header], source: &Source<'_>) -> Resu
                 }
             }
         }
+    }
+    if missing > 0 {
+        return Err(ImageError::new(format!("cannot be decoded as OpenEXR: {missing} of its lines are missing")));
     }
     for (channel, component) in header.channels.list.iter().zip(&components) {
         if let Some(component) = *component {

@@ -140,7 +140,7 @@ fn other_samples_are_named() {
     assert!(refused(&moved).contains("starts at line 1"));
 }
 
-/// Where the first block of a file with three blocks starts: the first of the offsets, which end there.
+/// The place of the first block of a file with three blocks: the first of the offsets, which end there.
 fn first_block(file: &[u8]) -> usize {
     let offset = |at: usize| file.get(at..).and_then(|rest| rest.first_chunk()).map(|bytes| u64::from_le_bytes(*bytes));
     (0..file.len()).find(|&at| offset(at) == Some(at as u64 + 24)).unwrap() + 24

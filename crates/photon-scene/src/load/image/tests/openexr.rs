@@ -99,9 +99,9 @@ const COARSE: [(&str, &[u8]); 8] = [
     ("piz with alpha", include_bytes!("coarse/piz_a.exr")),
 ];
 
-/// Their colours are linear in place, by more than 5 % from texel to texel, and so are the samples between those that are
-/// stored. The writer's filter takes up to 3.3 % at borders. The last column repeats a chroma, which OpenEXR's own reader
-/// shows 11 % wrong.
+/// Their colours are linear in place, red and blue by more than 5 % from texel to texel, and so are the samples between those
+/// that are stored. The writer's filter takes up to 3.3 % at borders. The last column repeats a chroma, which OpenEXR's own
+/// reader shows 11 % wrong.
 #[test]
 fn coarse_chroma_becomes_colours() {
     for (name, bytes) in COARSE {
@@ -128,8 +128,8 @@ fn other_samples_are_named() {
     thirds[sampling] = 3;
     let why = refused(&thirds);
     assert!(why.contains("channels BY") && why.contains("R, G and B"), "{why}");
-    for name in [&include_bytes!("coarse/dwaa.exr")[..], include_bytes!("coarse/dwab.exr")] {
-        assert!(refused(name).contains("ZIP or PIZ"));
+    for bytes in [&include_bytes!("coarse/dwaa.exr")[..], include_bytes!("coarse/dwab.exr")] {
+        assert!(refused(bytes).contains("ZIP or PIZ"));
     }
     // A file that ends within a block, and a block that starts at no block's line.
     for length in [zip.len() - 1, zip.len() / 2] {

@@ -39,10 +39,8 @@ pub(super) struct Levels {
 
 /// Levels for patches that touch in `pairs`; `None` if no order is right.
 pub(super) fn levels(patches: &[Patch<'_>], pairs: &[Pair]) -> Option<Levels> {
-    let anchor = (0..patches.len()).max_by(|&a, &b| {
-        let (a, b) = (&patches[a], &patches[b]);
-        (!a.is_solid()).cmp(&!b.is_solid()).then_with(|| a.size(b))
-    })?;
+    let ranks = ranks(patches);
+    let anchor = (0..patches.len()).max_by_key(|&patch| ranks[patch])?;
     if !patches[anchor].is_up {
         // Seen from the other side, so that the result does not depend on the order of triangles.
         let turned: Vec<_> = patches.iter().map(|patch| Patch { is_up: !patch.is_up, ..patch.clone() }).collect();
@@ -53,19 +51,35 @@ pub(super) fn levels(patches: &[Patch<'_>], pairs: &[Pair]) -> Option<Levels> {
     // Surfaces that nearly touch come second.
     let touching: Vec<Pair> = pairs.iter().filter(|pair| !pair.is_apart).copied().collect();
     let ways = [(true, pairs), (true, &touching[..]), (false, pairs), (false, &touching[..])];
-    let (levels, film) = ways.into_iter().find_map(|(film, pairs)| Some((sorted(patches, pairs, film)?, film)))?;
+    let (levels, film) = ways.into_iter().find_map(|(film, pairs)| Some((sorted(patches, &ranks, pairs, film)?, film)))?;
     let ground = levels[anchor];
     Some(Levels { levels: levels.into_iter().map(|level| level - ground).collect(), is_wet: !film })
 }
 
+/// The place of each patch in the order by size, solids before sheets; patches that are alike have the same.
+fn ranks(patches: &[Patch<'_>]) -> Vec<usize> {
+    let order = |a: &Patch<'_>, b: &Patch<'_>| b.is_solid().cmp(&a.is_solid()).then_with(|| a.size(b));
+    let mut sorted: Vec<usize> = (0..patches.len()).collect();
+    sorted.sort_by(|&a, &b| order(&patches[a], &patches[b]));
+    let mut ranks = vec![0; patches.len()];
+    for pair in sorted.windows(2) {
+        let grows = order(&patches[pair[0]], &patches[pair[1]]).is_lt();
+        ranks[pair[1]] = ranks[pair[0]] + usize::from(grows);
+    }
+    ranks
+}
+
 /// The longest path to each patch from those that nothing is below (Kahn 1962).
-fn sorted(patches: &[Patch<'_>], pairs: &[Pair], film: bool) -> Option<Vec<i32>> {
+fn sorted(patches: &[Patch<'_>], ranks: &[usize], pairs: &[Pair], film: bool) -> Option<Vec<i32>> {
     let mut above = vec![Vec::new(); patches.len()];
     let mut below = vec![0; patches.len()];
     for pair in pairs {
         let [a, b] = pair.patches;
-        let is_below =
-            if pair.is_apart { pair.height > 0.0 } else { patches[a].is_below(&patches[b], film, pair.height) };
+        let is_below = if pair.is_apart {
+            pair.height > 0.0
+        } else {
+            patches[a].is_below(&patches[b], ranks[a].cmp(&ranks[b]), film, pair.height)
+        };
         let (low, high) = if is_below { (a, b) } else { (b, a) };
         above[low].push((high, i32::from(!pair.is_apart)));
         below[high] += 1;
@@ -91,9 +105,9 @@ impl Patch<'_> {
         self.material.is_solid()
     }
 
-    /// Whether this one is the lower one of two that touch, the other one `height` over it. With `film`, there is air between
-    /// solids and sheets.
-    fn is_below(&self, other: &Self, film: bool, height: f64) -> bool {
+    /// Whether this one is the lower one of two that touch, the other one `height` over it; `size` is how their sizes compare.
+    /// With `film`, there is air between solids and sheets.
+    fn is_below(&self, other: &Self, size: Ordering, film: bool, height: f64) -> bool {
         /// Heights beyond rounding errors.
         const CLEAR: f64 = 2.5e-7;
         match (self.is_solid(), other.is_solid()) {
@@ -107,7 +121,7 @@ impl Patch<'_> {
             // that the smaller one within it applies.
             (true, true) => {
                 let priority = self.material.priority.cmp(&other.material.priority);
-                let is_outer = priority.then_with(|| self.size(other)) == Ordering::Greater;
+                let is_outer = priority.then(size) == Ordering::Greater;
                 is_outer != self.is_up
             }
             // Recedes from its own front: the solid with a film of air, or the sheet without one.
@@ -116,7 +130,7 @@ impl Patch<'_> {
             (true, false) => !other.is_up,
             (false, true) => self.is_up,
             // The smaller one is in front of the larger one.
-            (false, false) => match self.size(other) {
+            (false, false) => match size {
                 Ordering::Less => !other.is_up,
                 _ => self.is_up,
             },

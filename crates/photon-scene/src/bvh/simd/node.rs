@@ -2,19 +2,18 @@
 
 use std::collections::VecDeque;
 
-use bytemuck::Zeroable;
 use photon_core::parallel;
 
 use super::triangle::{LANES, Packet};
 use crate::bvh::binary::{Arranged, Binary};
 use crate::bvh::chunked;
-use crate::bvh::concat::{concat, starts};
+use crate::bvh::concat::{append, concat, starts};
 
 /// Children per node.
 pub(crate) const WIDTH: usize = 8;
 
 /// Bounding boxes of eight children in SIMD layout: lower and upper bound of x, of y, of z.
-#[derive(Clone, Copy, Debug, PartialEq, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     pub(crate) bounds: [[f32; WIDTH]; 6],
@@ -22,7 +21,7 @@ pub(crate) struct Node {
 }
 
 /// Either an inner node, by index, or a leaf: packets, by first index and count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub(crate) struct Child {
     pub(crate) first: u32,
@@ -44,10 +43,10 @@ impl Node {
         children: [Child { first: 0, packets: 0 }; WIDTH],
     };
 
-    /// The node in a table in which nodes and packets have been moved. Empty lanes change too, and are never read.
-    fn moved_by(mut self, nodes: u32, packets: u32) -> Self {
-        for child in &mut self.children {
-            child.first += if child.packets == 0 { nodes } else { packets };
+    /// The node in a table in which nodes have been moved. Empty lanes change too, and are never read.
+    fn moved_by(mut self, nodes: u32) -> Self {
+        for child in self.children.iter_mut().filter(|child| child.packets == 0) {
+            child.first += nodes;
         }
         self
     }
@@ -61,33 +60,35 @@ pub(crate) type Corners<'a> = &'a (dyn Fn(u32) -> [[f32; 3]; 3] + Sync);
 
 /// The wide tree: nodes, packets, and its depth. The root is node 0.
 pub(crate) fn widen((tree, order): &Arranged, corners: Corners<'_>, threads: usize) -> (Vec<Node>, Vec<Packet>, usize) {
-    let mut top = Wide::new();
+    let mut top = Wide::new(0);
     let mut open = VecDeque::from([Open { root: 0, place: 0, depth: 1 }]);
     if order.len() < chunked::MANY {
-        top.fill_all(tree, order, corners, open.into());
-        return (top.nodes, top.packets, top.depth);
+        let mut packets = Vec::with_capacity(packets_below(tree, 0));
+        top.fill_all(tree, order, corners, open.into(), &mut |packet| packets.push(packet));
+        return (top.nodes, packets, top.depth);
     }
+    let mut packets = Vec::new();
     while open.len() < TASKS
         && let Some(next) = open.pop_front()
     {
-        top.fill(tree, order, corners, next, |child| open.push_back(child));
+        top.fill(tree, order, corners, next, &mut |packet| packets.push(packet), |child| open.push_back(child));
     }
-    let parts: Vec<Wide> = parallel::map(threads, open.iter(), |_, &Open { root, depth, .. }| {
-        let mut part = Wide::new();
-        part.fill_all(tree, order, corners, vec![Open { root, place: 0, depth }]);
+    let counts = parallel::map(threads, open.iter(), |_, open| packets_below(tree, open.root));
+    let parts = append(&mut packets, &counts, threads, |i, start, room| {
+        let mut part = Wide::new(start);
+        // Most have more than four children.
+        part.nodes.reserve(counts[i] / 4);
+        part.fill_all(tree, order, corners, vec![Open { place: 0, ..open[i] }], &mut |packet| room.push(packet));
         part
     });
     // The first node of a part has its place in the top; the others follow.
     let nodes = starts(top.nodes.len(), parts.iter().map(|part| part.nodes.len() - 1));
-    let packets = starts(top.packets.len(), parts.iter().map(|part| part.packets.len()));
-    let moved = |part: usize, node: Node| node.moved_by(nodes[part] - 1, packets[part]);
+    let moved = |part: usize, node: Node| node.moved_by(nodes[part] - 1);
     for (i, (part, open)) in parts.iter().zip(&open).enumerate() {
         top.nodes[open.place] = moved(i, part.nodes[0]);
     }
     let others: Vec<&[Node]> = parts.iter().map(|part| &part.nodes[1..]).collect();
     let nodes = concat(&top.nodes, &others, threads, moved);
-    let others: Vec<&[Packet]> = parts.iter().map(|part| part.packets.as_slice()).collect();
-    let packets = concat(&top.packets, &others, threads, |_, packet| packet);
     (nodes, packets, parts.iter().fold(top.depth, |depth, part| depth.max(part.depth)))
 }
 
@@ -100,22 +101,43 @@ struct Open {
     depth: usize,
 }
 
+/// Number of packets of the leaves below a node.
+fn packets_below(tree: &[Binary], root: u32) -> usize {
+    let (mut count, mut open) = (0, vec![root]);
+    while let Some(index) = open.pop() {
+        let node = &tree[index as usize];
+        if node.count == 0 {
+            open.extend([node.first, node.first + 1]);
+        }
+        count += node.count.div_ceil(LANES as u32) as usize;
+    }
+    count
+}
+
 /// A wide tree, or a part of one.
 struct Wide {
     nodes: Vec<Node>,
-    packets: Vec<Packet>,
+    /// Index of the next packet.
+    packets: u32,
     depth: usize,
 }
 
 impl Wide {
-    fn new() -> Self {
-        Self { nodes: vec![Node::EMPTY], packets: Vec::new(), depth: 0 }
+    fn new(packets: u32) -> Self {
+        Self { nodes: vec![Node::EMPTY], packets, depth: 0 }
     }
 
-    /// Fills the open nodes, and all below them.
-    fn fill_all(&mut self, tree: &[Binary], order: &[u32], corners: Corners<'_>, mut open: Vec<Open>) {
+    /// Fills the open nodes, and all below them; packets are handed to `put` in order.
+    fn fill_all(
+        &mut self,
+        tree: &[Binary],
+        order: &[u32],
+        corners: Corners<'_>,
+        mut open: Vec<Open>,
+        put: &mut impl FnMut(Packet),
+    ) {
         while let Some(next) = open.pop() {
-            self.fill(tree, order, corners, next, |child| open.push(child));
+            self.fill(tree, order, corners, next, put, |child| open.push(child));
         }
     }
 
@@ -125,6 +147,7 @@ impl Wide {
         order: &[u32],
         corners: Corners<'_>,
         Open { root, place, depth }: Open,
+        put: &mut impl FnMut(Packet),
         mut open: impl FnMut(Open),
     ) {
         self.depth = self.depth.max(depth);
@@ -135,10 +158,12 @@ impl Wide {
                 self.nodes[place].bounds[2 * axis + 1][lane] = from.high[axis];
             }
             self.nodes[place].children[lane] = if from.count > 0 {
-                let first = self.packets.len() as u32;
-                let ids = &order[from.first as usize..(from.first + from.count) as usize];
-                self.packets.extend(ids.chunks(LANES).map(|ids| Packet::of(ids, corners)));
-                Child { first, packets: self.packets.len() as u32 - first }
+                let first = self.packets;
+                for ids in order[from.first as usize..(from.first + from.count) as usize].chunks(LANES) {
+                    put(Packet::of(ids, corners));
+                    self.packets += 1;
+                }
+                Child { first, packets: self.packets - first }
             } else {
                 let first = self.nodes.len();
                 self.nodes.push(Node::EMPTY);

@@ -1,6 +1,5 @@
 //! The watertight ray-triangle test (Woop, Benthin and Wald 2013), four triangles at a time.
 
-use bytemuck::Zeroable;
 use glam::{BVec4A, DVec3, Vec4};
 use photon_core::Ray;
 
@@ -10,7 +9,7 @@ use crate::bvh::CompressedTree;
 pub(crate) const LANES: usize = 4;
 
 /// Vertices of four triangles, by vertex, axis, lane.
-#[derive(Clone, Copy, Debug, PartialEq, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct Packet {
     pub(crate) vertices: [[[f32; LANES]; 3]; 3],

@@ -32,7 +32,7 @@ use crate::vulkan::Vulkan;
 const LOOK: u32 = 4;
 /// Maximum of [`TracePlan::surfaces`] where media have grids, on devices that end long loops: walks through grids are loops too,
 /// each as long as there are cells along a ray.
-const SURFACES_IN_GRIDS: u32 = 4;
+const SURFACES_IN_GRIDS: u32 = 2;
 /// Invocations per workgroup of all kernels except the tracing kernel.
 const GROUP: u32 = 128;
 /// Maximum number of paths in a chunk: enough to keep a GPU busy; it bounds the duration of a dispatch. If a

@@ -49,4 +49,8 @@ impl TestBackend for OnValidatedVulkan {
     fn available() -> bool {
         low_level::for_tests().is_some()
     }
+
+    fn check(on: &Vulkan) {
+        assert_eq!(on.validation_messages(), [""; 0]);
+    }
 }

@@ -1,5 +1,8 @@
 //! The test interface of a backend, and helpers to run its stages.
 
+use std::any::{Any, TypeId};
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::ops::Range;
 
@@ -12,9 +15,9 @@ use photon_core::{
 use photon_scene::{CameraDesc, Projection, Scene, SceneBuilder};
 
 /// A backend under test.
-pub trait TestBackend {
+pub trait TestBackend: 'static {
     /// The backend's type.
-    type On: TransportBackend;
+    type On: TransportBackend + 'static;
     /// Statistical tests trace one of so many photons. A backend whose paths and pictures are compared with those of the CPU, where
     /// the tests run in full, needs fewer to tell a fault of its own; tolerances follow from the standard error.
     const ONE_OF: u32 = 1;
@@ -24,6 +27,24 @@ pub trait TestBackend {
     fn available() -> bool {
         true
     }
+    /// Panics if the backend has noticed a fault.
+    fn check(_on: &Self::On) {}
+}
+
+thread_local! {
+    static KEPT: RefCell<HashMap<TypeId, Box<dyn Any>>> = RefCell::default();
+}
+
+/// A backend that this test may have used before: opening a device and its kernels takes longer than most renders.
+pub fn opened<T: TestBackend>() -> T::On {
+    let kept = KEPT.with_borrow_mut(|kept| kept.remove(&TypeId::of::<T>()));
+    kept.and_then(|on| on.downcast().ok()).map_or_else(|| T::make(2), |on| *on)
+}
+
+/// Keeps a backend for [`opened`].
+pub fn keep<T: TestBackend>(on: T::On) {
+    T::check(&on);
+    KEPT.with_borrow_mut(|kept| kept.insert(TypeId::of::<T>(), Box::new(on)));
 }
 
 /// A backend for tests that need all photons: of rare events, or whose noise would hide what they look for.
@@ -35,6 +56,10 @@ impl<T: TestBackend> TestBackend for InFull<T> {
 
     fn make(threads: usize) -> T::On {
         T::make(threads)
+    }
+
+    fn check(on: &T::On) {
+        T::check(on);
     }
 }
 
@@ -97,10 +122,13 @@ pub fn estimates<T: TestBackend>(
     queries: &[Query],
     gathers: &[EstimateParams],
 ) -> Vec<Vec<Estimate>> {
-    estimates_on(&mut T::make(2), kind, photons, queries, gathers)
+    let mut on = opened::<T>();
+    let found = estimates_on(&mut on, kind, photons, queries, gathers);
+    keep::<T>(on);
+    found
 }
 
-/// The same on a backend that may have been used: opening a device and its kernels takes longer than most estimates.
+/// The same on a backend of the caller.
 pub fn estimates_on<B: TransportBackend>(
     on: &mut B,
     kind: IndexKind,
@@ -215,13 +243,15 @@ pub fn film<T: TestBackend>(scene: &Scene, settings: &Settings, passes: u32, siz
     for pass in 0..passes {
         renderer.pass(pass, &mut ()).unwrap();
     }
-    renderer.film().unwrap()
+    let film = renderer.film().unwrap();
+    keep::<T>(renderer.into_backend().unwrap());
+    film
 }
 
 /// A pipeline for such an image.
 pub fn renderer<T: TestBackend>(scene: &Scene, settings: &Settings, size: u32) -> Pipeline<T::On> {
     let view = View { camera: scene.camera(None, size, size).unwrap(), width: size, height: size };
-    Pipeline::new(T::make(2), &scene.view(), view, settings.clone()).unwrap()
+    Pipeline::new(opened::<T>(), &scene.view(), view, settings.clone()).unwrap()
 }
 
 /// Mean over the pixels of each pass, mean of RGB. Passes are independent; the pixels of one pass are not.
@@ -259,6 +289,7 @@ pub fn means_per_pass<T: TestBackend>(
             found[index].push(sum - std::mem::replace(&mut before[index], sum));
         }
     }
+    keep::<T>(renderer.into_backend().unwrap());
     found
 }
 

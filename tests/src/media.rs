@@ -10,7 +10,7 @@ use photon_scene::{
     AmbientMedium, CameraDesc, LightDesc, MaterialDesc, Projection, Scene, SceneBuilder, Surface, shapes,
 };
 
-use crate::harness::{TestBackend, direct_settings};
+use crate::harness::{TestBackend, direct_settings, keep, opened};
 use crate::stats::{assert_agrees, moments, standard_error};
 
 /// Coefficients per user length.
@@ -48,7 +48,7 @@ pub(crate) fn renderer<T: TestBackend>(
     let view = View { camera: scene.camera(None, size, size).unwrap(), width: size, height: size };
     let mut settings = settings.clone();
     settings.photons = settings.photons.div_ceil(T::ONE_OF);
-    Pipeline::new(T::make(2), &SceneView { media, ..scene.view() }, view, settings).unwrap()
+    Pipeline::new(opened::<T>(), &SceneView { media, ..scene.view() }, view, settings).unwrap()
 }
 
 /// All cases; of a backend that traces fewer photons, and whose pictures are compared with those of the other, the last alone.
@@ -83,6 +83,7 @@ pub(crate) fn per_pass<T: TestBackend>(
             found[channel].push(sum - std::mem::replace(&mut before[channel], sum));
         }
     }
+    keep::<T>(renderer.into_backend().unwrap());
     found
 }
 

@@ -51,7 +51,8 @@ pub(super) fn levels(patches: &[Patch<'_>], pairs: &[Pair]) -> Option<Levels> {
     // Surfaces that nearly touch come second.
     let touching: Vec<Pair> = pairs.iter().filter(|pair| !pair.is_apart).copied().collect();
     let ways = [(true, pairs), (true, &touching[..]), (false, pairs), (false, &touching[..])];
-    let (levels, film) = ways.into_iter().find_map(|(film, pairs)| Some((sorted(patches, &ranks, pairs, film)?, film)))?;
+    let (levels, film) =
+        ways.into_iter().find_map(|(film, pairs)| Some((sorted(patches, &ranks, pairs, film)?, film)))?;
     let ground = levels[anchor];
     Some(Levels { levels: levels.into_iter().map(|level| level - ground).collect(), is_wet: !film })
 }

@@ -7,6 +7,9 @@
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
+use bytemuck::Zeroable;
+use bytemuck::allocation::zeroed_vec;
+
 /// With fewer elements, a thread takes longer to start than to work.
 const LEAST: usize = 1 << 12;
 
@@ -16,7 +19,14 @@ pub fn for_each_part<T: Send>(items: &mut [T], work: impl Fn(usize, &mut [T]) + 
     for_each(threads(), items.chunks_mut(part), |i, items| work(i * part, items));
 }
 
-/// The results of `of` for `0..count`, in order. It takes the memory of the results twice.
+/// The results of `of` for `0..count`, in order, of a type that may be zero bytes.
+pub fn collect_plain<T: Zeroable + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut all = zeroed_vec(count);
+    for_each_part(&mut all, |first, part| part.iter_mut().zip(first..).for_each(|(to, i)| *to = of(i)));
+    all
+}
+
+/// As [`collect_plain`] for any type. It takes the memory of the results twice.
 pub fn collect<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let part = part(count);
     let mut parts: Vec<Vec<T>> = (0..count.div_ceil(part)).map(|_| Vec::new()).collect();
@@ -84,6 +94,7 @@ mod tests {
         for count in [0, 1, LEAST - 1, LEAST, 3 * LEAST + 7, 40 * LEAST + 1] {
             let squares = collect(count, |i| i as u64 * 3);
             assert!(squares.len() == count && squares.iter().enumerate().all(|(i, &n)| n == i as u64 * 3), "{count}");
+            assert_eq!(collect_plain(count, |i| i as u64 * 3), squares);
             let mut items = vec![0_usize; count];
             for_each_part(&mut items, |first, part| part.iter_mut().enumerate().for_each(|(i, n)| *n += first + i + 1));
             assert!(items.iter().enumerate().all(|(i, &n)| n == i + 1), "{count}");

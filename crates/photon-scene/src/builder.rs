@@ -293,7 +293,12 @@ impl SceneBuilder {
             units,
             shading,
             radius: normalise::round_up(radius),
-            primitives: geometry.primitives.iter().map(|&(normal, material)| Primitive { normal, material }).collect(),
+            // In the same memory.
+            primitives: geometry
+                .primitives
+                .into_iter()
+                .map(|(normal, material)| Primitive { normal, material })
+                .collect(),
             positions: geometry.positions,
             triangles: geometry.triangles,
             mesh_starts: geometry.mesh_starts,

@@ -5,7 +5,7 @@ use crate::error::SceneError;
 use crate::mesh::Mesh;
 use crate::validate::unit;
 use glam::DVec3;
-use photon_core::{Camera, Units};
+use photon_core::{Camera, Units, parallel};
 
 /// The camera in normalised space for a picture of that width and height; `desc` has been validated.
 pub(crate) fn resolve(
@@ -141,16 +141,22 @@ pub(crate) fn open_side<'a>(
     let extent = high - low;
     // Relative to the extents: a box that faces inwards has a flux of −6, each of its sides −1 and an area of 1.
     let at = |position: [f64; 3]| (DVec3::from_array(position) - low) / extent - 0.5;
+    let sum = |(flux, faced): (f64, DVec3), (more, other): (f64, DVec3)| (flux + more, faced + other);
     let (mut flux, mut faced) = (0.0, DVec3::ZERO);
     for mesh in meshes {
         let corner = |index: u32| mesh.positions.get(index as usize).map(|&position| at(position));
-        for triangle in &mesh.triangles {
-            if let [Some(a), Some(b), Some(c)] = triangle.map(corner) {
-                let doubled = (b - a).cross(c - a);
-                flux += a.dot(doubled);
-                faced += 0.5 * doubled;
-            }
-        }
+        // Of parts that do not depend on the number of threads.
+        let parts = parallel::map(parallel::threads(), mesh.triangles.chunks(1 << 16), |_, triangles| {
+            let seen = triangles.iter().filter_map(|triangle| match triangle.map(corner) {
+                [Some(a), Some(b), Some(c)] => {
+                    let doubled = (b - a).cross(c - a);
+                    Some((a.dot(doubled), 0.5 * doubled))
+                }
+                _ => None,
+            });
+            seen.fold((0.0, DVec3::ZERO), sum)
+        });
+        (flux, faced) = parts.into_iter().fold((flux, faced), sum);
     }
     // NaN, of a box without a volume, is none.
     (flux < -3.5).then(|| OpenSide::of(faced))

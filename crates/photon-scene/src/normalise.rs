@@ -3,6 +3,7 @@
 use crate::describe::{LightDesc, MaterialDesc, Surface};
 use crate::error::SceneError;
 use crate::mesh::Mesh;
+use bytemuck::Zeroable;
 use glam::DVec3;
 use photon_core::parallel;
 use std::collections::BTreeSet;
@@ -258,12 +259,11 @@ impl Geometry {
     }
 
     fn add(&mut self, mesh: &Mesh, emits: bool, frame: Frame, traced: bool) {
-        let wide = parallel::collect(mesh.positions.len(), |i| frame.point(mesh.positions[i]));
+        let wide = parallel::collect_plain(mesh.positions.len(), |i| frame.point(mesh.positions[i]));
         // Coordinates are known to half a unit in the last place of f64; an area below the error that this
         // causes is noise.
         let noise = (frame.offset() + 1.0) * 2.0 * f64::EPSILON;
-        // Normal and area; `None` without an area.
-        let faces = parallel::collect(mesh.triangles.len(), |i| {
+        let faces = parallel::collect_plain(mesh.triangles.len(), |i| {
             let [a, b, c] = mesh.triangles[i].map(|index| wide[index as usize]);
             let (cross, area) = cross_and_area([a, b, c]);
             let longest = (b - a).length().max((c - a).length()).max((c - b).length());
@@ -271,14 +271,15 @@ impl Geometry {
             // Rays are tested against the rounded triangle, and sampling divides by its area.
             let (_, narrow_area) = cross_and_area(narrow);
             let lost = 2.0 * area <= noise * longest || narrow_area == 0.0 || area < f64::from(f32::MIN_POSITIVE);
-            (!lost).then(|| ((cross / (2.0 * area)).as_vec3().to_array(), area))
+            if lost { Face::zeroed() } else { Face { normal: (cross / (2.0 * area)).as_vec3().to_array(), area } }
         });
         let mut moved = vec![u32::MAX; wide.len()];
         for (index, (&corners, face)) in mesh.triangles.iter().zip(faces).enumerate() {
-            let Some((normal, area)) = face else {
+            let Face { normal, area } = face;
+            if area == 0.0 {
                 self.dropped.push([self.mesh_starts.len() as u32 - 1, index as u32]);
                 continue;
-            };
+            }
             let primitive = self.triangles.len() as u32;
             self.triangles.push(corners.map(|index| {
                 let place = &mut moved[index as usize];
@@ -297,6 +298,13 @@ impl Geometry {
             }
         }
     }
+}
+
+/// Unit normal and area of a triangle; 0 without an area.
+#[derive(Clone, Copy, Zeroable)]
+struct Face {
+    normal: [f32; 3],
+    area: f64,
 }
 
 fn cross_and_area([a, b, c]: [DVec3; 3]) -> (DVec3, f64) {

@@ -28,7 +28,7 @@ fn find(geometry: &Geometry, may_go: impl Fn(u32) -> bool) -> BTreeSet<u32> {
     let corners = |triangle: u32| {
         geometry.triangles[triangle as usize].map(|vertex| geometry.positions[vertex as usize].map(f32::to_bits))
     };
-    let hashes = parallel::collect(geometry.triangles.len(), |triangle| hash(&corners(triangle as u32)));
+    let hashes = parallel::collect_plain(geometry.triangles.len(), |triangle| hash(&corners(triangle as u32)));
     // Bits of places that one triangle has, and that several have.
     let words = (PLACES * hashes.len()).next_power_of_two().div_ceil(64);
     let place = |hash: u64| ((hash >> 6) as usize & (words - 1), 1_u64 << (hash & 63));

@@ -280,3 +280,59 @@ fn ply_attributes_of_faces() {
     materials.sort_unstable();
     assert_eq!(materials, [((0, 0), 0), ((1, 0), 1)]);
 }
+
+/// A grid of more elements than a thread reads at a time; faces with `flags` are read one after another.
+fn grid(is_big: bool, has_flags: bool, last: i32) -> Vec<u8> {
+    const SIDE: i32 = 150;
+    let (format, flags) =
+        (if is_big { "big" } else { "little" }, if has_flags { "property uchar flags\n" } else { "" });
+    let faces = 2 * (SIDE - 1) * (SIDE - 1);
+    let header = format!(
+        "ply\nformat binary_{format}_endian 1.0\nelement vertex {}\nproperty float y\nproperty double x\nproperty short z\n\
+         element face {faces}\nproperty list uchar int vertex_indices\n{flags}end_header\n",
+        SIDE * SIDE
+    );
+    let mut bytes = header.into_bytes();
+    macro_rules! put {
+        ($value:expr) => {
+            bytes.extend(if is_big { $value.to_be_bytes() } else { $value.to_le_bytes() })
+        };
+    }
+    for vertex in 0..SIDE * SIDE {
+        put!((vertex / SIDE) as f32);
+        put!(f64::from(vertex % SIDE) + 0.25);
+        put!((vertex % 7) as i16);
+    }
+    for face in 0..faces {
+        let corner = face / 2 / (SIDE - 1) * SIDE + face / 2 % (SIDE - 1);
+        let [b, c] = if face % 2 == 0 { [1, SIDE + 1] } else { [SIDE + 1, SIDE] };
+        bytes.push(3);
+        put!(corner);
+        put!(corner + b);
+        put!(if face + 1 == faces { last } else { corner + c });
+        bytes.extend(has_flags.then_some(9));
+    }
+    bytes
+}
+
+#[test]
+fn large_binary_files_are_read_by_several_threads() {
+    let folder = Folder::new("ply-large");
+    let last = 150 * 150 - 2;
+    let whole = |is_big, has_flags| load(&folder.file("a.ply", grid(is_big, has_flags, last)), None).expect("a grid").0;
+    let expected = whole(false, true);
+    assert_eq!(expected.view().triangles.len(), 2 * 149 * 149);
+    assert_eq!(
+        corners(&expected, 2 * 149 * 149 - 1),
+        [[148.25, 148.0, 4.0], [149.25, 149.0, 1.0], [148.25, 149.0, 0.0]]
+    );
+    for is_big in [false, true] {
+        let scene = whole(is_big, false);
+        assert!(scene.view().triangles == expected.view().triangles, "{is_big}");
+        assert!(scene.view().positions == expected.view().positions, "{is_big}");
+        for wrong in [-1, 150 * 150] {
+            let path = folder.file("a.ply", grid(is_big, false, wrong));
+            names(&message(load_ply(&path)), &["face 44401", &format!("vertex {wrong}"), "there are 22500"]);
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use super::colors::NO_COLOR;
 use super::header::{Element, Fault, Header, Kind};
 use super::layout::{Layout, Place};
-use super::numbers::Numbers;
+use super::numbers::{Field, Numbers, existing};
 use crate::load::group::NONE;
 
 /// Colours of vertices or faces, with alpha, as numbers of the file; those without alpha have 1.
@@ -91,6 +91,34 @@ impl Body {
         self.normals = vec![[0.0; 3]; of(has(Place::Normal(0)))];
         self.uvs = vec![[0.0; 2]; of(has(Place::Uv(0)))];
         self.colors.list = vec![[1.0; 4]; of(self.colors.is_given())];
+        let has_lists = element.properties.iter().any(|property| property.length.is_some());
+        let stride = element.properties.iter().map(|property| property.kind.bytes()).sum();
+        if let Some(rows) = numbers.rows(count, stride).filter(|_| !has_lists) {
+            let fields = |part: fn(Place) -> Option<usize>| -> Vec<Field> {
+                let starts = element.properties.iter().scan(0, |end, property| {
+                    *end += property.kind.bytes();
+                    Some((*end - property.kind.bytes(), property.kind))
+                });
+                let placed = starts.zip(&layout.places);
+                placed.filter_map(|((from, kind), place)| Some((from, kind, part((*place)?)?))).collect()
+            };
+            rows.read(
+                &mut self.positions,
+                &fields(|place| if let Place::Position(axis) = place { Some(axis) } else { None }),
+            );
+            rows.read(
+                &mut self.normals,
+                &fields(|place| if let Place::Normal(axis) = place { Some(axis) } else { None }),
+            );
+            rows.read(&mut self.uvs, &fields(|place| if let Place::Uv(axis) = place { Some(axis) } else { None }));
+            let channel = |place| match place {
+                Place::Color(channel) => Some(channel),
+                Place::Alpha => Some(3),
+                _ => None,
+            };
+            rows.read(&mut self.colors.list, &fields(channel));
+            return skip_rows(numbers, count, stride);
+        }
         for index in 0..count {
             numbers.begin(&element.name, index as u64);
             for (at, place) in layout.places.iter().enumerate() {
@@ -125,6 +153,9 @@ impl Body {
             return Err(("its faces have no list vertex_indices".to_owned(), 0));
         }
         self.face_colors = Colors::new(element, layout);
+        if self.polygons(numbers, element, layout, vertices)? {
+            return Ok(());
+        }
         for index in 0..element.count {
             numbers.begin(&element.name, index);
             let (first, first_uv) = (self.corners.len(), self.corner_uvs.len());
@@ -184,6 +215,39 @@ impl Body {
         Ok(())
     }
 
+    /// Reads the faces of a binary file that have nothing but equally many vertices; returns false for others, and where
+    /// anything is wrong, without having read any.
+    fn polygons(
+        &mut self,
+        numbers: &mut Numbers<'_>,
+        element: &Element,
+        layout: &Layout,
+        vertices: u64,
+    ) -> Result<bool, Fault> {
+        let ([property], [Some(Place::Indices)]) = (element.properties.as_slice(), layout.places.as_slice()) else {
+            return Ok(false);
+        };
+        let Some(length) = property.length else { return Ok(false) };
+        let mut first = vec![[0.0]];
+        let Some(row) = numbers.rows(1, length.bytes()) else { return Ok(false) };
+        row.read(&mut first, &[(0, length, 0)]);
+        let sides = first[0][0] as usize;
+        let (count, stride) = (element.count as usize, length.bytes() + sides.saturating_mul(property.kind.bytes()));
+        let rows = numbers.rows(count, stride).filter(|_| sides >= 3);
+        let Some(corners) = rows.and_then(|rows| rows.polygons([length, property.kind], sides, vertices)) else {
+            return Ok(false);
+        };
+        let start = self.corners.len();
+        self.ends.extend((1..=count).map(|face| (start + face * sides) as u32));
+        if start == 0 {
+            self.corners = corners
+        } else {
+            self.corners.extend(corners)
+        }
+        skip_rows(numbers, count, stride)?;
+        Ok(true)
+    }
+
     fn strips<'a>(
         &mut self,
         numbers: &mut Numbers<'a>,
@@ -224,10 +288,13 @@ impl Body {
 
 /// Checks the index of a vertex.
 fn vertex(numbers: &Numbers<'_>, number: f64, vertices: u64) -> Result<u32, Fault> {
-    if number >= 0.0 && number < vertices as f64 && number.fract() == 0.0 {
-        return Ok(number as u32);
-    }
-    Err(numbers.fault(&format!("it refers to vertex {number}, but there are {vertices}, numbered from 0")))
+    existing(number, vertices).ok_or_else(|| {
+        numbers.fault(&format!("it refers to vertex {number}, but there are {vertices}, numbered from 0"))
+    })
+}
+
+fn skip_rows(numbers: &mut Numbers<'_>, count: usize, stride: usize) -> Result<(), Fault> {
+    numbers.skip(Kind::U8, count * stride)
 }
 
 fn skip(numbers: &mut Numbers<'_>, element: &Element, at: usize) -> Result<(), Fault> {

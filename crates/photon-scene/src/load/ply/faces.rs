@@ -40,6 +40,10 @@ impl Body {
 
     /// The triangles, as numbers of vertices.
     pub(super) fn triangles(&self) -> (Vec<[u32; 3]>, Crossed) {
+        if self.corners.len() == 3 * self.ends.len() {
+            // None has fewer corners.
+            return (self.corners.as_chunks().0.to_vec(), (0, 0));
+        }
         let mut list = Vec::with_capacity(self.ends.len());
         let crossed = self.triangulate(|_, face, triangles| {
             let vertex = |corner: u32| self.corners[face.start + corner as usize];

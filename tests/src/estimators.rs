@@ -143,6 +143,7 @@ pub fn a8_loss_at_edges<T: TestBackend>() {
         let found = estimates::<T>(IndexKind::Median, photons, &queries, &gathers);
         let mut first = 0;
         for (found, (kernel, cases)) in found.iter().zip(cases) {
+            assert_eq!(found.len(), queries.len());
             for (estimate, &(t, fraction)) in found[first..].iter().zip(*cases) {
                 let what = format!("{what} {t}, {kernel:?}");
                 assert_agrees(&what, estimate.irradiance(1)[0], fraction, 0.0, bound);

@@ -41,6 +41,11 @@ pub fn opened<T: TestBackend>() -> T::On {
     kept.and_then(|on| on.downcast().ok()).map_or_else(|| T::make(2), |on| *on)
 }
 
+/// Drops the backends that were kept, which panics if one has noticed a fault.
+pub fn drop_kept() {
+    drop(KEPT.take());
+}
+
 /// Keeps a backend for [`opened`].
 pub fn keep<T: TestBackend>(on: T::On) {
     T::check(&on);
@@ -124,6 +129,7 @@ pub fn estimates<T: TestBackend>(
 ) -> Vec<Vec<Estimate>> {
     let mut on = opened::<T>();
     let found = estimates_on(&mut on, kind, photons, queries, gathers);
+    on.reset().unwrap();
     keep::<T>(on);
     found
 }

@@ -104,6 +104,7 @@ macro_rules! suite {
             fn $name() {
                 if <$backend as $crate::harness::TestBackend>::available() {
                     $crate::$module::$name::<$backend>();
+                    $crate::harness::drop_kept();
                 }
             })+
         })+

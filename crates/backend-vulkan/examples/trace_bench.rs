@@ -103,7 +103,6 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), Box<dyn Error>
 /// The default plan with both schedulings, and other plans.
 fn plans(usual: TracePlan) -> Vec<(Scheduling, TracePlan)> {
     let mut plans = vec![(Scheduling::Static, usual), (Scheduling::Dynamic, usual)];
-    plans.push((Scheduling::Dynamic, TracePlan { surfaces: 16, ..usual }));
     for busy in [0, 8, 16, 24] {
         for (group, threads, quota) in [(128, 1 << 17, 64), (64, 1 << 17, 64), (128, 1 << 16, 64), (128, 1 << 18, 64)] {
             plans.push((Scheduling::Dynamic, TracePlan { group, threads, quota, busy, ..usual }));

@@ -76,7 +76,7 @@ impl Vulkan {
             recorder: Recorder::new(&device)?,
             profile: Profile::new(&device)?,
             pipelines: Pipelines::new(&device, disk)?,
-            trace_plan: TracePlan::for_subgroups(device.limits.subgroup_size),
+            trace_plan: TracePlan::of(&device.limits),
             dispatch_limits: DispatchLimits::of(&device.limits),
             tree: None,
             device,

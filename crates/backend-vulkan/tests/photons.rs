@@ -207,6 +207,7 @@ fn photons_of_other_paths_are_noticed() {
 #[test]
 fn the_way_of_sharing_does_not_show() {
     let Some(mut gpu) = low_level::for_tests() else { return };
+    let usual = low_level::trace_plan(&gpu);
     let plain =
         TracePlan { group: 32, threads: 1 << 17, quota: 4, busy: 0, shared_groups: 0, surfaces: 16, places: 1 << 20 };
     for (name, max_bounces) in [("cornell-glass", 40), ("ring", 7), ("glass-fog", 40)] {
@@ -218,6 +219,8 @@ fn the_way_of_sharing_does_not_show() {
         for (scheduling, plan) in [
             (Scheduling::Static, plain),
             (Scheduling::Dynamic, plain),
+            (Scheduling::Static, usual),
+            (Scheduling::Dynamic, usual),
             (Scheduling::Static, TracePlan { threads: 3000, quota: 16, busy: 3, ..plain }),
             (Scheduling::Dynamic, TracePlan { surfaces: 3, busy: 3, ..plain }),
             (

@@ -30,9 +30,6 @@ use crate::vulkan::Vulkan;
 
 /// Rounds between two checks whether any path is still active.
 const LOOK: u32 = 4;
-/// Maximum of [`TracePlan::surfaces`] where media have grids, on devices that end long loops: walks through grids are loops too,
-/// each as long as there are cells along a ray.
-const SURFACES_IN_GRIDS: u32 = 2;
 /// Invocations per workgroup of all kernels except the tracing kernel.
 const GROUP: u32 = 128;
 /// Maximum number of paths in a chunk: enough to keep a GPU busy; it bounds the duration of a dispatch. If a
@@ -103,11 +100,11 @@ impl VulkanTracer {
     }
 }
 
-/// Maximum number of surfaces and collisions of a path in one dispatch.
-fn surfaces(on: &Vulkan, scene: &SceneKind) -> u32 {
+/// Maximum number of paths of an invocation. Where devices end long loops, it is 1 in media with grids: walks through grids are
+/// loops too, each as long as there are cells along a ray.
+fn quota(on: &Vulkan, scene: &SceneKind) -> u64 {
     let walks_grids = on.limits().loop_turns > 0 && scene.media.contains(MediaFeatures::GRIDS);
-    let most = on.trace_plan.surfaces;
-    if walks_grids { most.min(SURFACES_IN_GRIDS) } else { most }
+    if walks_grids { 1 } else { on.trace_plan.quota }
 }
 
 impl PhotonPaths {
@@ -299,14 +296,13 @@ impl VulkanTracer {
         let plan = on.trace_plan;
         let group = u64::from(plan.group);
         // As many invocations as fit the device, but enough for all paths.
-        let threads = plan.threads.max(count.div_ceil(plan.quota)).min(count).next_multiple_of(group);
+        let threads = plan.threads.max(count.div_ceil(quota(on, &scene.kind))).min(count).next_multiple_of(group);
         // With dynamic scheduling, how many paths an invocation takes is not fixed; twice the quota is always
         // enough.
         let quota = count.div_ceil(threads) as u32 * if self.paths.scheduling == Scheduling::Dynamic { 2 } else { 1 };
         let round = |number: u32| scratch.cursors.address() + ROUNDS + u64::from(number % 2) * 8;
         let list = |number: u32| scratch.waiting.address() + u64::from(number % 2) * scratch.paths * 4;
-        let surfaces = surfaces(on, &scene.kind);
-        let rounds = self.events(&scene.kind).div_ceil(surfaces);
+        let rounds = self.events(&scene.kind).div_ceil(plan.surfaces);
         for number in 0..rounds {
             if number > 0 {
                 // The counters that the next round will use are those of the previous one.
@@ -324,7 +320,7 @@ impl VulkanTracer {
                 waiting: list(number),
                 left: list(number + 1),
                 quota,
-                surfaces,
+                surfaces: plan.surfaces,
                 begins: u32::from(number == 0),
                 places: scratch.places as u32,
                 max_bounces: self.max_bounces,

@@ -1,5 +1,7 @@
 //! How the tracing kernel distributes paths over invocations.
 
+use crate::device::Limits;
+
 /// How many invocations share the paths, and how. The photons do not depend on it.
 // Exhaustive: in `low_level`, which is not stable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,17 +24,17 @@ pub struct TracePlan {
 }
 
 impl TracePlan {
-    /// A plan for the given subgroup size.
-    pub(crate) fn for_subgroups(size: u32) -> Self {
+    /// The plan for a device.
+    pub(crate) fn of(limits: &Limits) -> Self {
         // Measured as the fastest on an NVIDIA H200, for paths through glass (4.4 ms per million) and in an
         // empty room (0.94 ms). Replacing rays early never paid off there.
-        let (threads, quota, surfaces, places) = if size >= 16 {
-            (1 << 17, 8, 16, 1 << 23)
-        } else {
-            // A CPU (software device) runs all lanes of a subgroup until the last one ends, so that each gets several paths
-            // even if there are few; for fewer surfaces, since its loops are limited.
-            (1 << 10, 8, 8, 1 << 22)
-        };
-        Self { group: 64, threads, quota, busy: 0, shared_groups: 0, surfaces, places }
+        let (quota, places) = if limits.subgroup_size >= 16 { (8, 1 << 23) } else { (4, 1 << 22) };
+        let plan = Self { group: 64, threads: 1 << 17, quota, busy: 0, shared_groups: 0, surfaces: 16, places };
+        if limits.loop_turns == 0 {
+            return plan;
+        }
+        // A CPU runs few lanes at a time: each takes several paths, so that few wait for the longest. Loops end after so many
+        // turns that the surfaces of a dispatch must be few.
+        Self { threads: 1 << 10, quota: 8, surfaces: 4, ..plan }
     }
 }

@@ -25,8 +25,12 @@ pub(crate) struct Room<'a, T> {
 }
 
 impl<T> Room<'_, T> {
-    /// Adds an element; none beyond the length of the part.
+    /// Adds an element.
+    ///
+    /// # Panics
+    /// Beyond the length of the part.
     pub(crate) fn push(&mut self, element: T) {
+        assert!(self.left.len() > 0, "a part has more elements than expected");
         if let Some(place) = self.left.next() {
             place.write(element);
         }
@@ -54,9 +58,10 @@ pub(crate) fn append<T: Send, R: Send>(
         let result = fill(i, start, &mut room);
         (result, room.left.len())
     });
-    assert!(filled.iter().all(|(_, left)| *left == 0), "a part has fewer elements than expected");
+    let is_whole = filled.len() == lengths.len() && filled.iter().all(|(_, left)| *left == 0);
+    assert!(is_whole, "a part has fewer elements than expected");
     #[allow(unsafe_code, reason = "zeros first would touch all memory twice, by one thread")]
-    // SAFETY: every element of every part has been written.
+    // SAFETY: the parts follow each other up to that length, and every element of every part has been written.
     unsafe {
         all.set_len(first + count);
     }
@@ -81,6 +86,12 @@ mod tests {
     #[should_panic(expected = "fewer elements")]
     fn a_part_that_is_not_filled_is_noticed() {
         append(&mut vec![1, 2], &[2, 3], 2, |i, _, room| (0..2).for_each(|_| room.push(i)));
+    }
+
+    #[test]
+    #[should_panic(expected = "more elements")]
+    fn a_part_that_is_too_long_is_noticed() {
+        append(&mut Vec::new(), &[1], 1, |i, _, room| (0..2).for_each(|_| room.push(i)));
     }
 
     #[test]

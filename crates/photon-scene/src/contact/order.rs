@@ -39,20 +39,24 @@ pub(super) struct Levels {
 
 /// Levels for patches that touch in `pairs`; `None` if no order is right.
 pub(super) fn levels(patches: &[Patch<'_>], pairs: &[Pair]) -> Option<Levels> {
-    let ranks = ranks(patches);
+    levels_by(patches, &ranks(patches), pairs)
+}
+
+/// As [`levels`], with the [`ranks`] of the patches.
+fn levels_by(patches: &[Patch<'_>], ranks: &[usize], pairs: &[Pair]) -> Option<Levels> {
     let anchor = (0..patches.len()).max_by_key(|&patch| ranks[patch])?;
     if !patches[anchor].is_up {
         // Seen from the other side, so that the result does not depend on the order of triangles.
         let turned: Vec<_> = patches.iter().map(|patch| Patch { is_up: !patch.is_up, ..patch.clone() }).collect();
         let pairs: Vec<_> = pairs.iter().map(|pair| Pair { height: -pair.height, ..*pair }).collect();
-        let Levels { levels, is_wet } = levels(&turned, &pairs)?;
+        let Levels { levels, is_wet } = levels_by(&turned, ranks, &pairs)?;
         return Some(Levels { levels: levels.into_iter().map(|level| -level).collect(), is_wet });
     }
     // Surfaces that nearly touch come second.
     let touching: Vec<Pair> = pairs.iter().filter(|pair| !pair.is_apart).copied().collect();
     let ways = [(true, pairs), (true, &touching[..]), (false, pairs), (false, &touching[..])];
     let (levels, film) =
-        ways.into_iter().find_map(|(film, pairs)| Some((sorted(patches, &ranks, pairs, film)?, film)))?;
+        ways.into_iter().find_map(|(film, pairs)| Some((sorted(patches, ranks, pairs, film)?, film)))?;
     let ground = levels[anchor];
     Some(Levels { levels: levels.into_iter().map(|level| level - ground).collect(), is_wet: !film })
 }

@@ -3,7 +3,7 @@
 use photon_core::{MapKind, MediaFeatures, Photon, Result};
 
 use super::push::Chunk;
-use super::{VulkanTracer, surfaces};
+use super::VulkanTracer;
 use crate::device::Memory;
 use crate::scene::SceneKind;
 use crate::vulkan::Vulkan;
@@ -43,7 +43,7 @@ impl VulkanTracer {
             return Ok(());
         }
         self.scratch = None;
-        let long = self.events(scene) > surfaces(on, scene);
+        let long = self.events(scene) > on.trace_plan.surfaces;
         let counts = if scene.media.contains(MediaFeatures::SCATTERING) { MAPS } else { MapKind::COUNT };
         let counts = 4 * counts as u64;
         let scratch = TraceScratch {

@@ -2,8 +2,8 @@
 
 use photon_core::{MapKind, MediaFeatures, Photon, Result};
 
-use super::push::Chunk;
 use super::VulkanTracer;
+use super::push::Chunk;
 use crate::device::Memory;
 use crate::scene::SceneKind;
 use crate::vulkan::Vulkan;

@@ -1,5 +1,6 @@
 //! Closest hits: our watertight caster compared with obvhs' own traversal and triangle test, for rays in random
-//! directions from the walls of a room and from a bumpy sphere inside it.
+//! directions from the walls of a room and from a bumpy sphere inside it (*incoherent*), and for those of a camera in the
+//! room, row by row (*coherent*).
 //!
 //! The binary tree is built with the same parameters for both; obvhs' eight-wide compressed tree
 //! (CWBVH), its fastest, is measured too, and with `--features embree` Embree in robust mode,
@@ -16,7 +17,7 @@ use obvhs::ray::{Ray as TheirRay, RayHit};
 use obvhs::triangle::Triangle;
 #[cfg(feature = "embree")]
 use photon_benches::embree::Robust;
-use photon_core::glam::Vec3A;
+use photon_core::glam::{Vec3, Vec3A};
 use photon_core::{Ray, RayCaster};
 use photon_scene::Accel;
 use room::{rays, scene};
@@ -59,12 +60,24 @@ fn apart(rays: &[Ray], ours: &Accel, theirs: impl Fn(&Ray) -> Option<f32>) -> us
     rays.len() - rays.iter().filter(same).count()
 }
 
+/// Camera rays of a square picture, row by row, from the middle of a wall.
+fn camera_rays(count: usize) -> Vec<Ray> {
+    let side = (count as f64).sqrt() as usize;
+    let at = |index: usize| (index as f32 + 0.5) / side as f32 - 0.5;
+    let ray = |index: usize| Ray {
+        origin: Vec3::new(-0.499_99, 0.0, 0.0),
+        direction: Vec3::new(0.5, at(index % side), at(index / side)).normalize(),
+        t_max: f32::INFINITY,
+    };
+    (0..side * side).map(ray).collect()
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let quick = std::env::args().any(|argument| argument == "--test");
     let (rounds, count, sizes) = if quick { (1, BLOCK, vec![1000]) } else { (9, 50 * BLOCK, vec![100_000, 1_000_000]) };
+    let kinds = [("incoherent", rays(count as u32)), ("coherent", camera_rays(count))];
     for size in sizes {
         let (positions, triangles) = scene(size);
-        let rays = rays(count as u32);
         let theirs: Vec<Triangle> = triangles
             .iter()
             .map(|t| {
@@ -74,7 +87,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .collect();
         let start = Instant::now();
         let ours = Accel::build(&positions, &triangles)?;
-        println!("\n{} triangles, {count} rays; our build {:.2?}", triangles.len(), start.elapsed());
+        println!("\n{} triangles; our build {:.2?}", triangles.len(), start.elapsed());
         #[cfg(feature = "embree")]
         let embree = {
             let start = Instant::now();
@@ -88,6 +101,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let (mut two, mut eight) = (Duration::default(), Duration::default());
             let bvh2 = build_bvh2_from_tris(&theirs, parameters, &mut two);
             let cwbvh = build_cwbvh_from_tris(&theirs, parameters, &mut eight);
+            println!("  obvhs {preset} builds {two:.2?}, {eight:.2?}");
             let their_ray = |ray: &Ray| TheirRay::new(ray.origin.into(), ray.direction.into(), 0.0, f32::INFINITY);
             let by_two = |ray: &Ray| {
                 let mut hit = RayHit::none();
@@ -103,32 +117,35 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 });
                 hit
             };
-            let mut times = [(); 4].map(|()| Times { blocks: Vec::new() });
-            for _ in 0..rounds {
-                for block in rays.chunks(BLOCK) {
-                    times[0].of(block, |ray| ours.nearest(ray));
-                    times[1].of(block, by_two);
-                    times[2].of(block, by_eight);
-                    #[cfg(feature = "embree")]
-                    times[3].of(block, |ray| embree.nearest(ray.origin.into(), ray.direction.into()));
+            for (kind, rays) in &kinds {
+                let mut times = [(); 4].map(|()| Times { blocks: Vec::new() });
+                for _ in 0..rounds {
+                    for block in rays.chunks_exact(BLOCK) {
+                        times[0].of(block, |ray| ours.nearest(ray));
+                        times[1].of(block, by_two);
+                        times[2].of(block, by_eight);
+                        #[cfg(feature = "embree")]
+                        times[3].of(block, |ray| embree.nearest(ray.origin.into(), ray.direction.into()));
+                    }
                 }
-            }
-            let finite = |hit: RayHit| (hit.t < f32::INFINITY).then_some(hit.t);
-            let two_apart = apart(&rays, &ours, |ray| finite(by_two(ray)));
-            let eight_apart = apart(&rays, &ours, |ray| finite(by_eight(ray)));
-            let [a, b, c] = [0, 1, 2].map(|slot: usize| times[slot].rate());
-            println!(
-                "  obvhs {preset:<9} (builds {two:.2?}, {eight:.2?}): ours {a:.2} M rays/s, BVH2 {b:.2} (ratio {:.2}), \
-                 CWBVH {c:.2} (ratio {:.2}); {two_apart} and {eight_apart} rays differ",
-                a / b,
-                a / c
-            );
-            #[cfg(feature = "embree")]
-            {
-                let d = times[3].rate();
-                let differ =
-                    apart(&rays, &ours, |ray| embree.nearest(ray.origin.into(), ray.direction.into()).map(|(t, _)| t));
-                println!("  Embree, robust: {d:.2} M rays/s (ratio {:.2}); {differ} rays differ", a / d);
+                let finite = |hit: RayHit| (hit.t < f32::INFINITY).then_some(hit.t);
+                let two_apart = apart(rays, &ours, |ray| finite(by_two(ray)));
+                let eight_apart = apart(rays, &ours, |ray| finite(by_eight(ray)));
+                let [a, b, c] = [0, 1, 2].map(|slot: usize| times[slot].rate());
+                println!(
+                    "  {kind:<10} ours {a:.2} M rays/s, BVH2 {b:.2} (ratio {:.2}), CWBVH {c:.2} (ratio {:.2}); {two_apart} \
+                     and {eight_apart} rays differ",
+                    a / b,
+                    a / c
+                );
+                #[cfg(feature = "embree")]
+                {
+                    let d = times[3].rate();
+                    let differ = apart(rays, &ours, |ray| {
+                        embree.nearest(ray.origin.into(), ray.direction.into()).map(|(t, _)| t)
+                    });
+                    println!("  {kind:<10} Embree, robust: {d:.2} M rays/s (ratio {:.2}); {differ} rays differ", a / d);
+                }
             }
         }
     }

@@ -6,6 +6,7 @@
 
 mod node;
 mod overlap;
+mod slabs;
 mod traverse;
 mod triangle;
 

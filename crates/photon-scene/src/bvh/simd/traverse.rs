@@ -6,17 +6,13 @@ use std::mem::MaybeUninit;
 use photon_core::{Hit, Ray};
 
 use super::node::{Child, Node, WIDTH};
+use super::slabs::{Entered, Slabs};
 use super::triangle::{LANES, Packet, Sheared, intersect};
 
 /// Deepest tree that the traversal stack supports.
 pub(crate) const MAX_DEPTH: usize = 40;
 /// Each level leaves at most seven children on the stack.
 pub(crate) const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
-
-/// Slab distances are widened by this factor on either side, so that rounding never makes a ray miss a box
-/// that contains a triangle on its face (after Ize 2013).
-const WIDER: f32 = 1.0 + 8.0 * f32::EPSILON;
-const NARROWER: f32 = 1.0 - 8.0 * f32::EPSILON;
 
 /// Whether a hit counts: all of them, or those of surfaces that are there.
 pub(crate) trait Keep: Copy {
@@ -55,7 +51,7 @@ pub(crate) fn nearest<K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, ke
         // SAFETY: the check above found that the processor has AVX2.
         return unsafe { avx2::nearest(nodes, packets, ray, keep) };
     }
-    walk::<false, K>(nodes, packets, ray, keep)
+    walk::<false, K>(nodes, packets, ray, keep, Slabs::enter)
 }
 
 pub(crate) fn occluded<K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, keep: K) -> bool {
@@ -65,7 +61,7 @@ pub(crate) fn occluded<K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, k
         // SAFETY: the check above found that the processor has AVX2.
         return unsafe { avx2::occluded(nodes, packets, ray, keep) };
     }
-    walk::<true, K>(nodes, packets, ray, keep).is_some()
+    walk::<true, K>(nodes, packets, ray, keep, Slabs::enter).is_some()
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -74,19 +70,19 @@ mod avx2 {
 
     #[target_feature(enable = "avx2")]
     pub(super) fn nearest<K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, keep: K) -> Option<Hit> {
-        walk::<false, K>(nodes, packets, ray, keep)
+        walk::<false, K>(nodes, packets, ray, keep, |slabs, node, far| slabs.enter_avx2(node, far))
     }
 
     #[target_feature(enable = "avx2")]
     pub(super) fn occluded<K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, keep: K) -> bool {
-        walk::<true, K>(nodes, packets, ray, keep).is_some()
+        walk::<true, K>(nodes, packets, ray, keep, |slabs, node, far| slabs.enter_avx2(node, far)).is_some()
     }
 }
 
 /// The baseline version, for tests of the AVX2 version.
 #[cfg(test)]
 pub(crate) fn portable(nodes: &[Node], packets: &[Packet], ray: &Ray) -> Option<Hit> {
-    walk::<false, All>(nodes, packets, ray, All)
+    walk::<false, All>(nodes, packets, ray, All, Slabs::enter)
 }
 
 pub(crate) fn brute_force<K: Keep>(packets: &[Packet], ray: &Ray, keep: K) -> Option<Hit> {
@@ -157,80 +153,80 @@ fn fetch<T>(soon: &T) {
 }
 
 #[inline(always)]
-fn walk<const ANY: bool, K: Keep>(nodes: &[Node], packets: &[Packet], ray: &Ray, keep: K) -> Option<Hit> {
+fn walk<const ANY: bool, K: Keep>(
+    nodes: &[Node],
+    packets: &[Packet],
+    ray: &Ray,
+    keep: K,
+    enter: impl Fn(&Slabs, &Node, f32) -> Entered,
+) -> Option<Hit> {
     let sheared = Sheared::new(ray)?;
     let mut best = Best::new(ray)?;
     if nodes.is_empty() {
         return None;
     }
-    let origin = ray.origin.to_array();
-    // Infinite where the direction is 0: such a slab is either always or never entered.
-    let inverse = ray.direction.to_array().map(|d| 1.0 / d);
-    // Index of the nearer bound of each axis.
-    let near: [usize; 3] = std::array::from_fn(|axis| 2 * axis + usize::from(inverse[axis].is_sign_negative()));
+    let slabs = Slabs::new(ray);
     let mut stack = [const { MaybeUninit::<(Child, f32)>::uninit() }; STACK];
-    stack[0].write((Child::default(), 0.0));
-    let mut top = 1;
-    while top > 0 {
-        top -= 1;
-        #[allow(unsafe_code, reason = "to clear the stack takes a sixth of a ray's time")]
-        // SAFETY: every entry below `top` has been written.
-        let (child, entry) = unsafe { stack[top].assume_init() };
-        if entry > best.t {
-            continue;
-        }
-        if child.packets > 0 {
-            for packet in &packets[child.first as usize..(child.first + child.packets) as usize] {
+    let mut top = 0;
+    let mut next = Child::default();
+    loop {
+        if next.packets > 0 {
+            for packet in &packets[next.first as usize..(next.first + next.packets) as usize] {
                 best.test(packet, &sheared, keep);
             }
             if ANY && best.id != u32::MAX {
                 return best.hit();
             }
-            continue;
-        }
-        let node = &nodes[child.first as usize];
-        let (mut enter, mut leave) = ([0.0_f32; WIDTH], [best.t; WIDTH]);
-        for axis in 0..3 {
-            let (first, last) = (&node.bounds[near[axis]], &node.bounds[near[axis] ^ 1]);
-            for lane in 0..WIDTH {
-                let a = (first[lane] - origin[axis]) * inverse[axis];
-                let b = (last[lane] - origin[axis]) * inverse[axis];
-                // 0·∞ is NaN, which neither comparison takes: the ray runs within that face.
-                enter[lane] = if a > enter[lane] { a } else { enter[lane] };
-                leave[lane] = if b < leave[lane] { b } else { leave[lane] };
-            }
-        }
-        let mut mask = 0_u32;
-        for lane in 0..WIDTH {
-            enter[lane] *= NARROWER;
-            leave[lane] *= WIDER;
-            mask |= u32::from(enter[lane] <= leave[lane]) << lane;
-        }
-        let bottom = top;
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            // Insertion sort: the nearest child goes on top.
-            let mut place = top;
-            while place > bottom {
-                #[allow(unsafe_code, reason = "as above")]
-                // SAFETY: as above.
-                let other = unsafe { stack[place - 1].assume_init() };
-                if other.1 >= enter[lane] {
-                    break;
+        } else {
+            let node = &nodes[next.first as usize];
+            let (entry, mut mask) = enter(&slabs, node, best.t);
+            let mut take = || {
+                let lane = mask.trailing_zeros() as usize;
+                mask &= mask.wrapping_sub(1);
+                (lane < WIDTH).then_some(lane)
+            };
+            if let Some(mut nearest) = take() {
+                let bottom = top;
+                while let Some(lane) = take() {
+                    let (nearer, farther) =
+                        if entry[lane] < entry[nearest] { (lane, nearest) } else { (nearest, lane) };
+                    nearest = nearer;
+                    // Insertion sort: nearer children lie above.
+                    let mut place = top;
+                    while place > bottom {
+                        #[allow(unsafe_code, reason = "to clear the stack takes a sixth of a ray's time")]
+                        // SAFETY: every entry below `top` has been written.
+                        let other = unsafe { stack[place - 1].assume_init() };
+                        if other.1 >= entry[farther] {
+                            break;
+                        }
+                        stack[place].write(other);
+                        place -= 1;
+                    }
+                    let child = node.children[farther];
+                    if child.packets > 0 {
+                        fetch(&packets[child.first as usize]);
+                    } else {
+                        fetch(&nodes[child.first as usize]);
+                    }
+                    stack[place].write((child, entry[farther]));
+                    top += 1;
                 }
-                stack[place].write(other);
-                place -= 1;
+                next = node.children[nearest];
+                continue;
             }
-            let child = node.children[lane];
-            if child.packets > 0 {
-                fetch(&packets[child.first as usize]);
-            } else {
-                fetch(&nodes[child.first as usize]);
-            }
-            stack[place].write((child, enter[lane]));
-            top += 1;
         }
+        next = loop {
+            if top == 0 {
+                return best.hit();
+            }
+            top -= 1;
+            #[allow(unsafe_code, reason = "as above")]
+            // SAFETY: as above.
+            let (child, entry) = unsafe { stack[top].assume_init() };
+            if entry <= best.t {
+                break child;
+            }
+        };
     }
-    best.hit()
 }

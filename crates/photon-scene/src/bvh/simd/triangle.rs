@@ -131,12 +131,14 @@ pub(crate) fn intersect(packet: &Packet, ray: &Sheared, far: f32) -> Found {
     }
     let [u, v, w] = e;
     let determinant = u + v + w;
-    let scaled = u * z[0] + v * z[1] + w * z[2];
-    let mut t = scaled / determinant;
     let left = u.cmpge(zero) & v.cmpge(zero) & w.cmpge(zero);
     let right = u.cmple(zero) & v.cmple(zero) & w.cmple(zero);
-    // A determinant of 0 gives infinity or NaN, which are not valid distances.
+    // A determinant of 0 would give a distance that is infinite or NaN.
     let met = (left | right) & determinant.cmpne(zero);
+    if !met.any() {
+        return Found { hits: 0, t: [0.0; LANES], edges: e, determinant };
+    }
+    let mut t = (u * z[0] + v * z[1] + w * z[2]) / determinant;
     // A weighted mean of numbers of one sign has that sign.
     let straddles = z[0].min(z[1]).min(z[2]).cmple(Vec4::splat(PLANE_TOLERANCE))
         & z[0].max(z[1]).max(z[2]).cmpge(Vec4::splat(-PLANE_TOLERANCE));

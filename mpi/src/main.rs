@@ -3,13 +3,16 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::{CommandFactory, FromArgMatches};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, Root};
-use photon_core::{Bandwidth, Blocks, Budget, Error, ErrorTarget, Event, Film, Pipeline, Render, Settings, View};
+use photon_core::{
+    Bandwidth, Blocks, Budget, Error, ErrorTarget, Event, Film, Observer, Pipeline, Render, Settings, StopCondition,
+    View,
+};
 use photon_film::{FilmFileError, FilmInfo, FilmKey, Maker};
 use photon_scene::Scene;
 use photonmap_cli::args::{RenderArgs, set};
@@ -122,9 +125,7 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
     let begun = Instant::now();
     let mut file = File { path: root, info, args, begun, written: begun, maker: &maker };
     let identity = (settings.seed, settings.errors);
-    let stop = signals::stop();
-    let mut observer =
-        |_: &Event<'_>| if stop.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let mut observer = UntilSignal(signals::stop());
     let outcome = render(world, &mut *renderer, &remaining, identity, film, &mut observer, &mut file)?;
     // Only rank 0 says that it was interrupted, since mpirun ends all others at the first exit code above 0.
     let Some(pictures) = pictures else { return Ok(()) };
@@ -146,6 +147,20 @@ fn run(world: &SimpleCommunicator, args: &RenderArgs) -> Result<(), Fault> {
         say!("{line}");
     }
     written.result()
+}
+
+/// Stops a render, in the middle of a pass, once the flag is set.
+struct UntilSignal(&'static AtomicBool);
+
+impl Observer for UntilSignal {
+    fn on_event(&mut self, _: &Event<'_>) -> ControlFlow<()> {
+        if self.0.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn stop_condition(&self) -> Option<StopCondition> {
+        let stop = self.0;
+        Some(StopCondition::new(|| stop.load(Ordering::SeqCst)))
+    }
 }
 
 const PROGRAM: &str = concat!("photonmap-mpi ", env!("CARGO_PKG_VERSION"));

@@ -3,7 +3,7 @@
 use mpi::collective::SystemOperation;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
-use photon_core::{Blocks, Error, ErrorTarget, Film, Forecast, Observer, PassSet, Render, Result, render_blocks};
+use photon_core::{Blocks, Error, ErrorTarget, Film, Forecast, Observer, PassSet, Render, Result, render_block};
 
 use crate::exchange::Sums;
 
@@ -101,9 +101,9 @@ pub fn render(
         start += round.len() as u32 * blocks.grain();
         let mut block = None;
         if let Some(&start) = round.get(rank) {
-            let one = Blocks::new(start..start + blocks.grain(), blocks.grain())?;
-            match render_blocks(renderer, &one, &mut block, observer, &mut |_| Ok(())) {
-                Ok(_) | Err(Error::Cancelled) => {}
+            // Without a film, the first pass of each rank is not abandoned.
+            match render_block(renderer, start..start + blocks.grain(), empty_sums, observer) {
+                Ok(film) => block = film,
                 Err(error) => failure = Some(error),
             }
         }

@@ -168,6 +168,29 @@ fn a_terminated_job_keeps_its_passes() {
     assert!(film(&path).passes > 0 && path.with_extension("exr").exists());
 }
 
+/// A pass of some seconds is abandoned if there is a film, which keeps the passes before.
+#[test]
+fn a_terminated_job_abandons_its_pass() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("kept.film");
+    let start = |passes: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_photonmap-mpi"));
+        command.args(["cornell-glass", "--size", "128", "--photons", "2000", "--backend", "cpu", "--threads", "1"]);
+        command.args(["--set", "shadow-rays=1024", "--passes", passes]);
+        command.args(["--film", path.to_str().unwrap(), "-o", "kept.exr"]).current_dir(folder.path());
+        command.stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let begun = Instant::now();
+    assert!(start("1").wait().unwrap().success());
+    assert!(begun.elapsed() > Duration::from_secs(3), "the second pass would end before the signal");
+    let child = start("2");
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(Command::new("kill").arg(child.id().to_string()).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output));
+    assert!(text(&output).contains("wrote") && film(&path).passes == 1, "{}", text(&output));
+}
+
 #[test]
 fn wrong_options_are_named_and_nobody_waits() {
     let folder = tempfile::tempdir().unwrap();

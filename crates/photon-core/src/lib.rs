@@ -44,7 +44,7 @@ pub use film::pass_set::PassSet;
 pub use film::tone_map::{ToneMap, decode_srgb, encode_srgb};
 pub use film::{Film, FilmPixel, Layer, NUMERICS, check_size};
 pub use glam;
-pub use pipeline::blocks::{BlockOutcome, Blocks, render_blocks};
+pub use pipeline::blocks::{BlockOutcome, Blocks, render_block, render_blocks};
 pub use pipeline::error_target::ErrorTarget;
 pub use pipeline::parallel_blocks::render_blocks_in_parallel;
 pub use pipeline::render::{Facts, Outcome, PassEnd, Render, render};

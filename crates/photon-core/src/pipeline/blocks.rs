@@ -153,6 +153,22 @@ pub fn render_blocks(
     Ok(results)
 }
 
+/// Renders the passes of one block into a film of its own, for programs that distribute blocks; `None` if the observer stopped it.
+/// Its condition ([`Observer::stop_condition`]) ends any pass, but not the first one of a block that `is_first`, so that a
+/// film has a pass.
+///
+/// # Errors
+/// Errors of a pass. The renderer must have no film, and has none afterwards.
+pub fn render_block(
+    renderer: &mut dyn Render,
+    passes: Range<u32>,
+    is_first: bool,
+    observer: &mut dyn Observer,
+) -> Result<Option<Film>> {
+    let (film, _) = block(renderer, passes.clone(), is_first, observer, &mut Outcome::default())?;
+    Ok((film.passes == passes.end - passes.start && !film.cut).then_some(film))
+}
+
 /// Why rendering ends before the last block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {

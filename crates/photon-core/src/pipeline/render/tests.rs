@@ -1,6 +1,7 @@
 //! The loop over passes, with a renderer that does nothing.
 
 use super::*;
+use crate::pipeline::blocks::render_block;
 
 /// A renderer whose passes do nothing, with errors that decrease as expected.
 struct Idle {
@@ -154,11 +155,13 @@ fn an_error_that_nobody_tells_is_refused() {
 /// A pass that waits until it is abandoned is so shortly after the time, unless it is the first; the render was not cancelled.
 #[test]
 fn a_pass_that_takes_too_long_is_abandoned() {
-    struct Slow;
+    /// With the number of passes in its film.
+    struct Slow(u32);
     impl Render for Slow {
         fn pass(&mut self, index: u32, observer: &mut dyn Observer) -> Result<PassEnd> {
             let Some(condition) = observer.stop_condition() else {
                 assert_eq!(index, 0);
+                self.0 = 1;
                 return Ok(PassEnd::Done(PassReport { index, paths: 100, ..PassReport::default() }));
             };
             while !condition.is_met() {
@@ -167,7 +170,7 @@ fn a_pass_that_takes_too_long_is_abandoned() {
             Ok(PassEnd::Cancelled)
         }
         fn film(&mut self) -> Result<Film> {
-            Film::new(1, 1, crate::Units::default())
+            Ok(Film { passes: self.0, ..Film::new(1, 1, crate::Units::default())? })
         }
         fn take(&mut self) -> Result<Film> {
             self.film()
@@ -189,10 +192,15 @@ fn a_pass_that_takes_too_long_is_abandoned() {
     let time = Duration::from_millis(40);
     for (mut observer, cancelled) in [(Asked(false), false), (Asked(true), true)] {
         let begun = Instant::now();
-        let outcome = render(&mut Slow, Budget::Time(time), &mut observer).unwrap();
+        let outcome = render(&mut Slow(0), Budget::Time(time), &mut observer).unwrap();
         assert_eq!((outcome.passes, outcome.cancelled), (1, cancelled));
         assert!(cancelled || begun.elapsed() >= time);
     }
     let until = Plan { most_time: Some(time), ..Budget::Passes(9).into() };
-    assert!(!render(&mut Slow, until, &mut ()).unwrap().cancelled);
+    assert!(!render(&mut Slow(0), until, &mut ()).unwrap().cancelled);
+    // A block of one pass is whole if it is the first, and otherwise none.
+    for is_first in [true, false] {
+        let block = render_block(&mut Slow(0), 0..1, is_first, &mut Asked(true)).unwrap();
+        assert_eq!(block.map(|film| film.passes), is_first.then_some(1));
+    }
 }
